@@ -1,0 +1,88 @@
+"""The typed errors of fedic: every one is a `FedicError` and carries where the fault lies.
+
+The extension module raises these same classes, so ``except fedic.MeshError as error: error.cells`` works whatever
+layer found the fault.
+"""
+
+from collections.abc import Sequence
+
+__all__ = ["CameraError", "ConfigError", "FedicError", "ImageError", "MeshError", "SolveError"]
+
+
+class FedicError(Exception):
+    """Base of every error fedic raises on purpose.
+
+    Parameters
+    ----------
+    message : str
+        What was wrong, where, and what to do.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+
+    def __str__(self) -> str:
+        return self.message
+
+
+class MeshError(FedicError):
+    """A mesh that cannot be used: unreadable, malformed, inverted cells, or outside the image.
+
+    Attributes
+    ----------
+    cells : list of int
+        Indices of the cells at fault, counted over all blocks in their order; empty where no cell is to blame.
+    nodes : list of int
+        Indices of the nodes at fault.
+    """
+
+    def __init__(self, message: str = "", cells: Sequence[int] = (), nodes: Sequence[int] = ()) -> None:
+        super().__init__(message)
+        self.cells = list(cells)
+        self.nodes = list(nodes)
+
+    def __reduce__(self) -> tuple[type["MeshError"], tuple[str, list[int], list[int]]]:
+        return type(self), (self.message, self.cells, self.nodes)
+
+
+class ImageError(FedicError):
+    """An image that cannot be used: missing, truncated, of the wrong shape or type, or flat."""
+
+
+class CameraError(FedicError):
+    """A camera with impossible parameters, or points it cannot see."""
+
+
+class SolveError(FedicError):
+    """A correlation that cannot be solved: singular system, divergence, or an option out of its range.
+
+    Attributes
+    ----------
+    nodes : list of int
+        Indices of the nodes whose displacement the images do not determine; empty where no node is to blame.
+    """
+
+    def __init__(self, message: str = "", nodes: Sequence[int] = ()) -> None:
+        super().__init__(message)
+        self.nodes = list(nodes)
+
+    def __reduce__(self) -> tuple[type["SolveError"], tuple[str, list[int]]]:
+        return type(self), (self.message, self.nodes)
+
+
+class ConfigError(FedicError):
+    """A configuration file that cannot be used: not TOML, an unknown key, a value of the wrong type or out of range.
+
+    Attributes
+    ----------
+    key : str
+        Dotted name of the key at fault, such as ``"camera.focal"``; empty for the file as a whole.
+    """
+
+    def __init__(self, message: str = "", key: str = "") -> None:
+        super().__init__(message)
+        self.key = key
+
+    def __reduce__(self) -> tuple[type["ConfigError"], tuple[str, str]]:
+        return type(self), (self.message, self.key)
