@@ -1,0 +1,55 @@
+//! The one interface of every camera.
+
+/// A projector from the physical space to the image.
+///
+/// The two functions of a single point are all that a camera must give; those of many points follow from them and are
+/// compiled once per camera, so that a call through `dyn Camera` costs one dispatch per batch.
+pub trait Camera: Send + Sync {
+    /// Image point `[u, v]` of a world point; NaN where the camera cannot see it.
+    fn project(&self, point: [f64; 3]) -> [f64; 2];
+
+    /// Image point and Jacobian: row 0 is `(du/dX, du/dY, du/dZ)`, row 1 the same of `v`.
+    fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]);
+
+    /// The Jacobian where it is the same everywhere (paper, eq. 19).
+    fn constant_jacobian(&self) -> Option<[[f64; 3]; 2]> {
+        None
+    }
+
+    /// World point of the plane `Z = z` seen at `pixel` by this camera without its lens distortion: exact for a camera
+    /// that has none, the start of the Newton iteration of [`unproject`](crate::unproject) for the others.
+    fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3];
+
+    /// [`project`](Self::project) for many points given by components; all slices have one length.
+    fn project_batch(&self, x: &[f64], y: &[f64], z: &[f64], u: &mut [f64], v: &mut [f64]) {
+        let n = u.len();
+        let (x, y, z, v) = (&x[..n], &y[..n], &z[..n], &mut v[..n]);
+        for k in 0..n {
+            [u[k], v[k]] = self.project([x[k], y[k], z[k]]);
+        }
+    }
+
+    /// [`project_with_jacobian`](Self::project_with_jacobian) for many points; `jacobian[r][c]` is a slice as long as
+    /// the others.
+    fn project_with_jacobian_batch(
+        &self,
+        x: &[f64],
+        y: &[f64],
+        z: &[f64],
+        u: &mut [f64],
+        v: &mut [f64],
+        jacobian: &mut [[&mut [f64]; 3]; 2],
+    ) {
+        let n = u.len();
+        let (x, y, z, v) = (&x[..n], &y[..n], &z[..n], &mut v[..n]);
+        let [row_u, row_v] = jacobian.each_mut().map(|row| row.each_mut().map(|entry| &mut entry[..n]));
+        for k in 0..n {
+            let (pixel, j) = self.project_with_jacobian([x[k], y[k], z[k]]);
+            [u[k], v[k]] = pixel;
+            for c in 0..3 {
+                row_u[c][k] = j[0][c];
+                row_v[c][k] = j[1][c];
+            }
+        }
+    }
+}

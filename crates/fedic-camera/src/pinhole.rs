@@ -1,0 +1,194 @@
+//! The pinhole camera with skewed pixels and a distorting lens (paper, Sect. 5.1).
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use crate::{BrownDistortion, Camera, CameraError};
+
+const ROTATION_TOLERANCE: f64 = 1e-6;
+
+/// Rigid motion (paper, eq. 20), canonical projection (24), distortion (27) and intrinsic matrix with skew (22, 25).
+///
+/// The camera frame is OpenCV's: `x` right, `y` down, `z` forward, `X_c = R X_w + t`. A retinal point `(x, y)` falls at
+/// `u = fx x + fx cot(theta) y + cx`, `v = fy / sin(theta) y + cy`, with `theta` the angle between the pixel axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pinhole {
+    focal: [f64; 2],
+    principal_point: [f64; 2],
+    rotation: [[f64; 3]; 3],
+    translation: [f64; 3],
+    skew_angle: f64,
+    distortion: Option<BrownDistortion>,
+    /// `[[a, b], [0, c]]` of the intrinsic matrix, as `[a, b, c]`.
+    intrinsic: [f64; 3],
+}
+
+/// Rotation matrix of a rotation vector: its direction is the axis, its length the angle in radians (Rodrigues).
+pub fn rotation_from_vector(vector: [f64; 3]) -> [[f64; 3]; 3] {
+    let matrix = Rotation3::new(Vector3::from(vector)).into_inner();
+    std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]))
+}
+
+impl Pinhole {
+    /// A camera of focal lengths `[fx, fy]` and principal point `[cx, cy]`, in pixels, without skew or distortion.
+    ///
+    /// `rotation` rows and `translation` (world unit) carry world points into the camera frame.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] where a parameter is not finite, a focal length not positive or the matrix no rotation.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fedic_camera::{Camera, Pinhole, rotation_from_vector};
+    /// let upright = rotation_from_vector([std::f64::consts::PI, 0.0, 0.0]);
+    /// let camera = Pinhole::new([1000.0, 1000.0], [500.0, 400.0], upright, [0.0, 0.0, 2.0])?;
+    /// let [u, v] = camera.project([0.2, 0.1, 0.0]);
+    /// assert!((u - 600.0).abs() < 1e-9 && (v - 350.0).abs() < 1e-9);
+    /// # Ok::<(), fedic_camera::CameraError>(())
+    /// ```
+    pub fn new(
+        focal: [f64; 2],
+        principal_point: [f64; 2],
+        rotation: [[f64; 3]; 3],
+        translation: [f64; 3],
+    ) -> Result<Self, CameraError> {
+        let finite = [
+            ("focal", focal.iter().all(|c| c.is_finite())),
+            ("principal_point", principal_point.iter().all(|c| c.is_finite())),
+            ("rotation", rotation.iter().flatten().all(|c| c.is_finite())),
+            ("translation", translation.iter().all(|c| c.is_finite())),
+        ];
+        if let Some((parameter, _)) = finite.into_iter().find(|(_, finite)| !finite) {
+            return Err(CameraError::NonFinite { parameter });
+        }
+        if let Some(value) = focal.into_iter().find(|&f| f <= 0.0) {
+            return Err(CameraError::NotPositive { parameter: "focal length (pixels)", value });
+        }
+        let matrix = Matrix3::from_fn(|r, c| rotation[r][c]);
+        let deviation =
+            (matrix * matrix.transpose() - Matrix3::identity()).amax().max((matrix.determinant() - 1.0).abs());
+        if deviation > ROTATION_TOLERANCE {
+            return Err(CameraError::NotARotation { deviation });
+        }
+        let intrinsic = [focal[0], 0.0, focal[1]];
+        let skew_angle = std::f64::consts::FRAC_PI_2;
+        Ok(Self { focal, principal_point, rotation, translation, skew_angle, distortion: None, intrinsic })
+    }
+
+    /// The same camera with an angle between its pixel axes, in radians.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError::SkewAngle`] where the angle is not between 0 and pi.
+    pub fn with_skew_angle(mut self, skew_angle: f64) -> Result<Self, CameraError> {
+        if !(skew_angle > 0.0 && skew_angle < std::f64::consts::PI) {
+            return Err(CameraError::SkewAngle { value: skew_angle });
+        }
+        let [fx, fy] = self.focal;
+        self.skew_angle = skew_angle;
+        if skew_angle != std::f64::consts::FRAC_PI_2 {
+            self.intrinsic = [fx, fx / skew_angle.tan(), fy / skew_angle.sin()];
+        }
+        Ok(self)
+    }
+
+    /// The same camera behind a distorting lens.
+    pub fn with_distortion(mut self, distortion: BrownDistortion) -> Self {
+        self.distortion = Some(distortion);
+        self
+    }
+
+    /// Focal lengths `[fx, fy]` in pixels.
+    pub fn focal(&self) -> [f64; 2] {
+        self.focal
+    }
+
+    /// Principal point `[cx, cy]` in pixels.
+    pub fn principal_point(&self) -> [f64; 2] {
+        self.principal_point
+    }
+
+    /// Rows of the rotation matrix.
+    pub fn rotation(&self) -> [[f64; 3]; 3] {
+        self.rotation
+    }
+
+    /// Translation, in the world unit.
+    pub fn translation(&self) -> [f64; 3] {
+        self.translation
+    }
+
+    /// Angle between the pixel axes, in radians.
+    pub fn skew_angle(&self) -> f64 {
+        self.skew_angle
+    }
+
+    /// The lens, where it distorts.
+    pub fn distortion(&self) -> Option<&BrownDistortion> {
+        self.distortion.as_ref()
+    }
+
+    #[inline]
+    fn in_camera_frame(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|i| {
+            let r = &self.rotation[i];
+            r[0] * x + r[1] * y + r[2] * z + self.translation[i]
+        })
+    }
+
+    /// Retinal point and inverse depth; NaN for points behind the camera.
+    #[inline]
+    fn retinal(&self, point: [f64; 3]) -> ([f64; 2], f64) {
+        let [x, y, z] = self.in_camera_frame(point);
+        let inverse_depth = if z > 0.0 { 1.0 / z } else { f64::NAN };
+        ([x * inverse_depth, y * inverse_depth], inverse_depth)
+    }
+
+    #[inline]
+    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [a, b, c] = self.intrinsic;
+        [a * x + b * y + self.principal_point[0], c * y + self.principal_point[1]]
+    }
+}
+
+impl Camera for Pinhole {
+    #[inline]
+    fn project(&self, point: [f64; 3]) -> [f64; 2] {
+        let (retinal, _) = self.retinal(point);
+        self.pixel(match &self.distortion {
+            Some(lens) => lens.distort(retinal),
+            None => retinal,
+        })
+    }
+
+    #[inline]
+    fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
+        let (retinal, inverse_depth) = self.retinal(point);
+        let (seen, lens) = match &self.distortion {
+            Some(lens) => (lens.distort(retinal), lens.jacobian(retinal)),
+            None => (retinal, [[1.0, 0.0], [0.0, 1.0]]),
+        };
+        let [a, b, c] = self.intrinsic;
+        let pixel_by_retinal =
+            [[a * lens[0][0] + b * lens[1][0], a * lens[0][1] + b * lens[1][1]], [c * lens[1][0], c * lens[1][1]]];
+        let r = &self.rotation;
+        let retinal_by_world: [[f64; 3]; 2] =
+            std::array::from_fn(|i| std::array::from_fn(|d| (r[i][d] - retinal[i] * r[2][d]) * inverse_depth));
+        let jacobian = pixel_by_retinal
+            .map(|[px, py]| std::array::from_fn(|d| px * retinal_by_world[0][d] + py * retinal_by_world[1][d]));
+        (self.pixel(seen), jacobian)
+    }
+
+    fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {
+        let [a, b, c] = self.intrinsic;
+        let y = (v - self.principal_point[1]) / c;
+        let x = (u - self.principal_point[0] - b * y) / a;
+        let r = &self.rotation;
+        let to_world = |d: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| (0..3).map(|k| r[k][i] * d[k]).sum()) };
+        let ray = to_world([x, y, 1.0]);
+        let centre = to_world(self.translation).map(|c| -c);
+        let along = (z - centre[2]) / ray[2];
+        [centre[0] + along * ray[0], centre[1] + along * ray[1], z]
+    }
+}

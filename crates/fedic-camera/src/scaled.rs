@@ -1,0 +1,36 @@
+//! A camera seen in a reduced image.
+
+use crate::Camera;
+
+/// `camera` with its image points multiplied by `factor`: what it sees in a level of an image pyramid.
+#[derive(Clone, Copy)]
+pub struct Scaled<'a> {
+    camera: &'a dyn Camera,
+    factor: f64,
+}
+
+impl<'a> Scaled<'a> {
+    /// Multiplies the image points of `camera` by `factor`.
+    pub fn new(camera: &'a dyn Camera, factor: f64) -> Self {
+        Self { camera, factor }
+    }
+}
+
+impl Camera for Scaled<'_> {
+    fn project(&self, point: [f64; 3]) -> [f64; 2] {
+        self.camera.project(point).map(|c| c * self.factor)
+    }
+
+    fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
+        let (pixel, jacobian) = self.camera.project_with_jacobian(point);
+        (pixel.map(|c| c * self.factor), jacobian.map(|row| row.map(|c| c * self.factor)))
+    }
+
+    fn constant_jacobian(&self) -> Option<[[f64; 3]; 2]> {
+        self.camera.constant_jacobian().map(|j| j.map(|row| row.map(|c| c * self.factor)))
+    }
+
+    fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3] {
+        self.camera.unproject_linear(pixel.map(|c| c / self.factor), z)
+    }
+}

@@ -1,0 +1,114 @@
+//! Which cell a point lies in, and where in that cell.
+
+use crate::{CellType, Mesh, inverse_map};
+
+/// How far outside the reference domain a point still counts as on the cell's edge.
+const EDGE: f64 = 1e-9;
+/// How far a curved edge may lie outside the box of its nodes, as a fraction of the box.
+const BULGE: f64 = 0.25;
+
+/// A grid over the cells of a mesh that finds the cell of a point in the `(x, y)` plane.
+#[derive(Debug, Clone)]
+pub struct Locator<'a> {
+    mesh: &'a Mesh,
+    low: [f64; 2],
+    per_length: [f64; 2],
+    shape: [usize; 2],
+    starts: Vec<usize>,
+    cells: Vec<u32>,
+}
+
+impl<'a> Locator<'a> {
+    /// Sorts the cells of `mesh` into a grid with about one cell per grid square.
+    pub fn new(mesh: &'a Mesh) -> Self {
+        let boxes: Vec<[[f64; 2]; 2]> = (0..mesh.num_cells()).map(|c| bounding_box(mesh, c)).collect();
+        let mut low = [f64::MAX; 2];
+        let mut high = [f64::MIN; 2];
+        for [a, b] in &boxes {
+            for d in 0..2 {
+                low[d] = low[d].min(a[d]);
+                high[d] = high[d].max(b[d]);
+            }
+        }
+        let extent = [high[0] - low[0], high[1] - low[1]];
+        let pitch = (extent[0] * extent[1] / boxes.len() as f64).sqrt().max(f64::MIN_POSITIVE);
+        let shape = extent.map(|e| ((e / pitch).ceil() as usize).clamp(1, boxes.len()));
+        let per_length = [shape[0] as f64 / extent[0], shape[1] as f64 / extent[1]];
+        let mut locator =
+            Self { mesh, low, per_length, shape, starts: vec![0; shape[0] * shape[1] + 1], cells: vec![] };
+        for corners in &boxes {
+            locator.squares(corners).for_each(|s| locator.starts[s + 1] += 1);
+        }
+        for s in 0..shape[0] * shape[1] {
+            locator.starts[s + 1] += locator.starts[s];
+        }
+        let mut next = locator.starts.clone();
+        locator.cells = vec![0; locator.starts[shape[0] * shape[1]]];
+        for (cell, corners) in boxes.iter().enumerate() {
+            for s in locator.squares(corners) {
+                locator.cells[next[s]] = cell as u32;
+                next[s] += 1;
+            }
+        }
+        locator
+    }
+
+    fn square(&self, x: f64, d: usize) -> usize {
+        (((x - self.low[d]) * self.per_length[d]).floor().max(0.0) as usize).min(self.shape[d] - 1)
+    }
+
+    fn squares(&self, corners: &[[f64; 2]; 2]) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.square(corners[0][0], 0)..=self.square(corners[1][0], 0);
+        let rows = self.square(corners[0][1], 1)..=self.square(corners[1][1], 1);
+        let width = self.shape[0];
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
+    /// The cell that holds `(x, y)` and the point's reference coordinates, or `None` outside the mesh.
+    ///
+    /// On a shared edge it is the cell of lowest index.
+    pub fn find(&self, point: [f64; 2]) -> Option<(usize, [f64; 2])> {
+        if !(point[0].is_finite() && point[1].is_finite()) {
+            return None;
+        }
+        let square = self.square(point[1], 1) * self.shape[0] + self.square(point[0], 0);
+        self.cells[self.starts[square]..self.starts[square + 1]].iter().find_map(|&cell| {
+            let cell = cell as usize;
+            let corners = bounding_box(self.mesh, cell);
+            if (0..2).any(|d| point[d] < corners[0][d] || point[d] > corners[1][d]) {
+                return None;
+            }
+            let nodes: Vec<[f64; 2]> = self.mesh.cell_points(cell).iter().map(|p| [p[0], p[1]]).collect();
+            let cell_type = self.mesh.cell(cell).cell_type;
+            let at = inverse_map(cell_type, &nodes, point)?;
+            is_inside(cell_type, at).then_some((cell, at))
+        })
+    }
+}
+
+fn is_inside(cell_type: CellType, [x, y]: [f64; 2]) -> bool {
+    if cell_type.is_triangle() {
+        x >= -EDGE && y >= -EDGE && x + y <= 1.0 + EDGE
+    } else {
+        x.abs() <= 1.0 + EDGE && y.abs() <= 1.0 + EDGE
+    }
+}
+
+/// Lower and upper corner of a box that holds the cell, its curved edges included.
+fn bounding_box(mesh: &Mesh, cell: usize) -> [[f64; 2]; 2] {
+    let mut low = [f64::MAX; 2];
+    let mut high = [f64::MIN; 2];
+    for p in mesh.cell_points(cell) {
+        for d in 0..2 {
+            low[d] = low[d].min(p[d]);
+            high[d] = high[d].max(p[d]);
+        }
+    }
+    let curved = mesh.cell(cell).nodes.len() > mesh.cell(cell).cell_type.num_corners();
+    let margin = if curved { BULGE } else { EDGE };
+    for d in 0..2 {
+        let m = margin * (high[d] - low[d]);
+        (low[d], high[d]) = (low[d] - m, high[d] + m);
+    }
+    [low, high]
+}

@@ -1,0 +1,158 @@
+//! Quadrature points inside a cell: the reference domain cut into equal sub-triangles or sub-quads (paper, Fig. 5).
+
+use std::str::FromStr;
+
+use crate::CellType;
+
+/// How finely a cell is cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rule {
+    /// Quads by the lengths of their own two directions, triangles by their area: about one point per pixel.
+    #[default]
+    Edges,
+    /// The paper's: every edge by the largest distance between two nodes, about two points per pixel.
+    Diameter,
+}
+
+impl FromStr for Rule {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "edges" => Ok(Self::Edges),
+            "diameter" => Ok(Self::Diameter),
+            _ => Err(format!("unknown quadrature rule \"{name}\"; choose \"edges\" or \"diameter\"")),
+        }
+    }
+}
+
+/// A reference domain cut into equal parts; the quadrature points are the parts' centres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Subdivision {
+    /// `n^2` homothetic sub-triangles.
+    Triangle {
+        /// Parts of each edge.
+        n: u32,
+    },
+    /// `nx * ny` sub-quads.
+    Quad {
+        /// Parts along `xi`.
+        nx: u32,
+        /// Parts along `eta`.
+        ny: u32,
+    },
+}
+
+impl Subdivision {
+    /// The subdivision of a cell whose nodes are projected to `pixels`, with `density` times the points of the rule.
+    pub fn of_cell(cell_type: CellType, pixels: &[[f64; 2]], rule: Rule, density: f64) -> Self {
+        let per_length = density.sqrt();
+        match rule {
+            Rule::Diameter => {
+                let n = (diameter(pixels) * per_length).ceil().max(1.0) as u32;
+                if cell_type.is_triangle() { Self::Triangle { n } } else { Self::Quad { nx: n, ny: n } }
+            }
+            Rule::Edges if cell_type.is_triangle() => {
+                let outline = cell_type.outline().iter().map(|&a| pixels[a]);
+                let n = (polygon_area(outline).sqrt() * per_length).round().max(1.0) as u32;
+                Self::Triangle { n }
+            }
+            Rule::Edges => {
+                let parts = |one: f64, other: f64| (0.5 * (one + other) * per_length).round().max(1.0) as u32;
+                let edge = |from| edge_length(cell_type, pixels, from);
+                Self::Quad { nx: parts(edge(0), edge(2)), ny: parts(edge(1), edge(3)) }
+            }
+        }
+    }
+
+    /// Number of quadrature points.
+    pub fn num_points(self) -> usize {
+        match self {
+            Self::Triangle { n } => n as usize * n as usize,
+            Self::Quad { nx, ny } => nx as usize * ny as usize,
+        }
+    }
+
+    /// Area of one part of the reference domain: the weight of a point before the Jacobian.
+    pub fn part_area(self) -> f64 {
+        let reference = match self {
+            Self::Triangle { .. } => CellType::Triangle.reference_area(),
+            Self::Quad { .. } => CellType::Quad.reference_area(),
+        };
+        reference / self.num_points() as f64
+    }
+
+    /// Writes the reference coordinates of points `first..first + xi.len()`.
+    ///
+    /// # Panics
+    ///
+    /// If `eta` is shorter than `xi`. Past the last point the coordinates mean nothing.
+    pub fn points(self, first: usize, xi: &mut [f64], eta: &mut [f64]) {
+        match self {
+            Self::Quad { nx, ny } => {
+                let (nx, ny) = (nx as usize, ny as usize);
+                let (dx, dy) = (2.0 / nx as f64, 2.0 / ny as f64);
+                let (mut i, mut j) = (first % nx, first / nx);
+                for (x, y) in xi.iter_mut().zip(eta.iter_mut()) {
+                    *x = (i as f64 + 0.5) * dx - 1.0;
+                    *y = (j as f64 + 0.5) * dy - 1.0;
+                    i += 1;
+                    if i == nx {
+                        (i, j) = (0, j + 1);
+                    }
+                }
+            }
+            Self::Triangle { n } => {
+                let n = n as usize;
+                let h = 1.0 / n as f64;
+                // Row j holds 2 (n - j) - 1 sub-triangles, those that point up and down in turn.
+                let (mut j, mut i) = triangle_row(n, first);
+                for (x, y) in xi.iter_mut().zip(eta.iter_mut()) {
+                    let third = if i % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
+                    *x = ((i / 2) as f64 + third) * h;
+                    *y = (j as f64 + third) * h;
+                    i += 1;
+                    if i + 2 * j + 1 == 2 * n {
+                        (i, j) = (0, j + 1);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Row of the sub-triangle `index`, and its place in the row.
+fn triangle_row(n: usize, index: usize) -> (usize, usize) {
+    let start = |j: usize| n * n - (n - j) * (n - j);
+    let rest = (n * n - index.min(n * n)) as f64;
+    let mut j = (n as f64 - rest.sqrt().ceil()).max(0.0) as usize;
+    while j > 0 && start(j) > index {
+        j -= 1;
+    }
+    while j + 1 < n && start(j + 1) <= index {
+        j += 1;
+    }
+    (j, index - start(j))
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+fn diameter(pixels: &[[f64; 2]]) -> f64 {
+    let pairs = pixels.iter().enumerate().flat_map(|(i, &a)| pixels[..i].iter().map(move |&b| distance(a, b)));
+    pairs.fold(0.0, f64::max)
+}
+
+/// Length of the edge that starts at corner `from`, through its middle node where it has one.
+fn edge_length(cell_type: CellType, pixels: &[[f64; 2]], from: usize) -> f64 {
+    let outline = cell_type.outline();
+    let steps = outline.len() / cell_type.num_corners();
+    let node = |k: usize| pixels[outline[k % outline.len()]];
+    (from * steps..(from + 1) * steps).map(|k| distance(node(k), node(k + 1))).sum()
+}
+
+fn polygon_area(corners: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let next = corners.clone().cycle().skip(1);
+    0.5 * corners.zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>().abs()
+}

@@ -1,0 +1,92 @@
+//! The values of the matrix, and their assembly from cells.
+
+use crate::Pattern;
+
+/// Lower triangle of a symmetric matrix on a [`Pattern`].
+#[derive(Debug, Clone)]
+pub struct SymmetricMatrix {
+    values: Vec<f64>,
+}
+
+impl SymmetricMatrix {
+    /// The zero matrix.
+    pub fn zeros(pattern: &Pattern) -> Self {
+        Self { values: vec![0.0; pattern.num_entries()] }
+    }
+
+    /// Entries of the lower triangle, by columns.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Adds the matrix of one cell: dense and symmetric, rows and columns in the order of the cell's unknowns.
+    ///
+    /// # Panics
+    ///
+    /// If `dense` is smaller than the square of the cell's unknowns.
+    pub fn add_cell(&mut self, pattern: &Pattern, cell: usize, dense: &[f64]) {
+        let d = pattern.block();
+        let nodes = pattern.cell(cell);
+        let width = nodes.len() * d;
+        let mut places = pattern.pairs(cell).iter();
+        for a in 0..nodes.len() {
+            for b in 0..=a {
+                let Some(&place) = places.next() else { return };
+                let (low, high) = if nodes[a] >= nodes[b] { (b, a) } else { (a, b) };
+                for j in 0..d {
+                    let column = pattern.column_start(nodes[low] as usize, j);
+                    for i in 0..d {
+                        let row = place as usize * d + i;
+                        if row >= j {
+                            self.values[column + row - j] += dense[(high * d + i) * width + low * d + j];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds `factor` times another matrix of the same pattern.
+    ///
+    /// # Panics
+    ///
+    /// If the patterns differ in size.
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        assert_eq!(self.values.len(), other.values.len(), "matrices of different patterns");
+        for (value, &other) in self.values.iter_mut().zip(&other.values) {
+            *value += factor * other;
+        }
+    }
+
+    /// Diagonal of the matrix.
+    pub fn diagonal(&self, pattern: &Pattern) -> Vec<f64> {
+        let columns = (0..pattern.num_nodes()).flat_map(|node| (0..pattern.block()).map(move |j| (node, j)));
+        columns.map(|(node, j)| self.values[pattern.column_start(node, j)]).collect()
+    }
+
+    /// Product `y = A x`.
+    ///
+    /// # Panics
+    ///
+    /// If `x` is shorter than the number of unknowns.
+    pub fn multiply(&self, pattern: &Pattern, x: &[f64]) -> Vec<f64> {
+        let d = pattern.block();
+        let mut y = vec![0.0; pattern.num_dofs()];
+        for node in 0..pattern.num_nodes() {
+            let rows = pattern.node_column(node);
+            for j in 0..d {
+                let column = node * d + j;
+                let start = pattern.column_start(node, j);
+                for k in j..rows.len() * d {
+                    let row = rows[k / d] as usize * d + k % d;
+                    let value = self.values[start + k - j];
+                    y[row] += value * x[column];
+                    if row != column {
+                        y[column] += value * x[row];
+                    }
+                }
+            }
+        }
+        y
+    }
+}

@@ -1,0 +1,118 @@
+//! Which entries of the matrix are not zero, and where each cell's entries go.
+
+/// Pattern of the lower triangle of a symmetric finite element matrix, by columns, with the place of every cell's blocks.
+#[derive(Debug, Clone)]
+pub struct Pattern {
+    block: usize,
+    /// Neighbours of each node, itself first, then those of higher index, increasing.
+    node_starts: Vec<usize>,
+    node_rows: Vec<u32>,
+    cell_starts: Vec<usize>,
+    cell_nodes: Vec<u32>,
+    /// For each pair of local nodes `b <= a` of each cell, the place of its block among the rows of its column.
+    pair_starts: Vec<usize>,
+    pair_places: Vec<u32>,
+}
+
+impl Pattern {
+    /// Pattern of `num_nodes` blocks of `block` unknowns, coupled where a cell holds both nodes.
+    ///
+    /// # Panics
+    ///
+    /// If a cell refers to a node past `num_nodes`.
+    pub fn new<'a>(num_nodes: usize, block: usize, cells: impl IntoIterator<Item = &'a [u32]>) -> Self {
+        let mut cell_starts = vec![0];
+        let mut cell_nodes = Vec::new();
+        for nodes in cells {
+            cell_nodes.extend_from_slice(nodes);
+            cell_starts.push(cell_nodes.len());
+        }
+        let (node_starts, node_rows) = node_columns(num_nodes, &cell_starts, &cell_nodes);
+        let mut pair_starts = vec![0];
+        let mut pair_places = Vec::new();
+        for range in cell_starts.windows(2) {
+            let nodes = &cell_nodes[range[0]..range[1]];
+            for (a, &row) in nodes.iter().enumerate() {
+                for &column in &nodes[..=a] {
+                    let (low, high) = (row.min(column), row.max(column));
+                    let rows = &node_rows[node_starts[low as usize]..node_starts[low as usize + 1]];
+                    pair_places.push(rows.partition_point(|&r| r < high) as u32);
+                }
+            }
+            pair_starts.push(pair_places.len());
+        }
+        Self { block, node_starts, node_rows, cell_starts, cell_nodes, pair_starts, pair_places }
+    }
+
+    /// Unknowns per node.
+    pub fn block(&self) -> usize {
+        self.block
+    }
+
+    /// Number of nodes.
+    pub fn num_nodes(&self) -> usize {
+        self.node_starts.len() - 1
+    }
+
+    /// Number of unknowns.
+    pub fn num_dofs(&self) -> usize {
+        self.num_nodes() * self.block
+    }
+
+    /// Number of cells.
+    pub fn num_cells(&self) -> usize {
+        self.cell_starts.len() - 1
+    }
+
+    /// Nodes of a cell.
+    pub fn cell(&self, cell: usize) -> &[u32] {
+        &self.cell_nodes[self.cell_starts[cell]..self.cell_starts[cell + 1]]
+    }
+
+    /// Nodes of higher or equal index coupled to `node`, increasing.
+    pub(crate) fn node_column(&self, node: usize) -> &[u32] {
+        &self.node_rows[self.node_starts[node]..self.node_starts[node + 1]]
+    }
+
+    pub(crate) fn pairs(&self, cell: usize) -> &[u32] {
+        &self.pair_places[self.pair_starts[cell]..self.pair_starts[cell + 1]]
+    }
+
+    /// First entry of column `(node, component)` in the lower triangle.
+    pub(crate) fn column_start(&self, node: usize, component: usize) -> usize {
+        let d = self.block;
+        let triangles_before = node * (d * (d - 1) / 2);
+        let blocks_before = self.node_starts[node] * d * d;
+        let rows = (self.node_starts[node + 1] - self.node_starts[node]) * d;
+        blocks_before - triangles_before + component * rows - component * component.saturating_sub(1) / 2
+    }
+
+    /// Number of entries of the lower triangle.
+    pub(crate) fn num_entries(&self) -> usize {
+        self.column_start(self.num_nodes() - 1, self.block - 1)
+            + self.node_column(self.num_nodes() - 1).len() * self.block
+            - (self.block - 1)
+    }
+}
+
+/// Lower triangle of the node graph by columns, rows increasing.
+fn node_columns(num_nodes: usize, cell_starts: &[usize], cell_nodes: &[u32]) -> (Vec<usize>, Vec<u32>) {
+    let mut columns: Vec<Vec<u32>> = (0..num_nodes as u32).map(|node| vec![node]).collect();
+    for range in cell_starts.windows(2) {
+        let nodes = &cell_nodes[range[0]..range[1]];
+        for (a, &row) in nodes.iter().enumerate() {
+            for &column in &nodes[..a] {
+                columns[row.min(column) as usize].push(row.max(column));
+            }
+        }
+    }
+    let mut starts = vec![0];
+    let mut rows = Vec::new();
+    for mut column in columns {
+        column.sort_unstable();
+        column.dedup();
+        rows.extend_from_slice(&column);
+        starts.push(rows.len());
+    }
+    (starts, rows)
+}
