@@ -1,22 +1,24 @@
 //! A camera seen in a reduced image.
 
+use std::sync::Arc;
+
 use crate::Camera;
 
 /// `camera` with its image points multiplied by `factor`: what it sees in a level of an image pyramid.
-#[derive(Clone, Copy)]
-pub struct Scaled<'a> {
-    camera: &'a dyn Camera,
+#[derive(Clone)]
+pub struct Scaled {
+    camera: Arc<dyn Camera>,
     factor: f64,
 }
 
-impl<'a> Scaled<'a> {
+impl Scaled {
     /// Multiplies the image points of `camera` by `factor`.
-    pub fn new(camera: &'a dyn Camera, factor: f64) -> Self {
+    pub fn new(camera: Arc<dyn Camera>, factor: f64) -> Self {
         Self { camera, factor }
     }
 }
 
-impl Camera for Scaled<'_> {
+impl Camera for Scaled {
     fn project(&self, point: [f64; 3]) -> [f64; 2] {
         self.camera.project(point).map(|c| c * self.factor)
     }

@@ -47,7 +47,7 @@ pub enum MeshError {
     /// Cells of zero area, or folded so that their Jacobian changes sign.
     #[error(
         "{} {} zero area or a Jacobian that changes sign (inverted, folded or nodes in the wrong order); mend the mesh there",
-        list("cell", cells),
+        list_indices("cell", cells),
         if cells.len() == 1 { "has" } else { "have" }
     )]
     DegenerateCells {
@@ -73,7 +73,7 @@ pub enum MeshError {
 }
 
 /// Names a list of indices in a sentence: "cells 3, 5, 8 and 40 more".
-fn list(noun: &str, indices: &[usize]) -> String {
+pub fn list_indices(noun: &str, indices: &[usize]) -> String {
     const SHOWN: usize = 8;
     let shown: Vec<String> = indices.iter().take(SHOWN).map(ToString::to_string).collect();
     let plural = if indices.len() == 1 { "" } else { "s" };

@@ -17,7 +17,7 @@ mod shape;
 mod subdivision;
 
 pub use cell::{CellType, MAX_NODES};
-pub use error::MeshError;
+pub use error::{MeshError, list_indices};
 pub use generate::rectangle_mesh;
 pub use isoparametric::{inverse_map, jacobian, map};
 pub use locate::Locator;

@@ -1,5 +1,7 @@
 //! Sparse Cholesky factorisation through faer: the symbolic part once per pattern, the numeric part per matrix.
 
+use std::sync::Arc;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;
@@ -16,13 +18,19 @@ use crate::{Pattern, SparseError, SymmetricMatrix};
 /// A pivot smaller than this fraction of its diagonal entry says that the unknown is not determined.
 const VANISHING_PIVOT: f64 = 1e-11;
 
-/// A factorised matrix, its symbolic part kept for the next matrix of the same pattern.
+/// The symbolic part of the factorisation: order of the unknowns and pattern of the factor, computed once per pattern.
+#[derive(Debug, Clone)]
 pub struct Cholesky {
     column_starts: Vec<usize>,
     row_indices: Vec<usize>,
-    symbolic: SymbolicCholesky<usize>,
-    factor: Vec<f64>,
-    buffer: MemBuffer,
+    symbolic: Arc<SymbolicCholesky<usize>>,
+}
+
+/// The numeric part: the factor of one matrix.
+#[derive(Debug, Clone)]
+pub struct Factor {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+    values: Vec<f64>,
 }
 
 impl Cholesky {
@@ -40,11 +48,7 @@ impl Cholesky {
         let order = SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, dofs));
         let symbolic = factorize_symbolic_cholesky(lower, Side::Lower, order, CholeskySymbolicParams::default())
             .map_err(too_large)?;
-        let factorise = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let buffer = MemBuffer::try_new(factorise.or(solve)).map_err(|_| SparseError::TooLarge { dofs })?;
-        let factor = vec![0.0; symbolic.len_val()];
-        Ok(Self { column_starts, row_indices, symbolic, factor, buffer })
+        Ok(Self { column_starts, row_indices, symbolic: Arc::new(symbolic) })
     }
 
     /// Factorises a matrix of the pattern.
@@ -53,7 +57,7 @@ impl Cholesky {
     ///
     /// [`SparseError::Singular`] with the unknowns whose pivot vanishes, [`SparseError::NonFinite`] where the matrix
     /// holds a NaN or an infinity.
-    pub fn factorize(&mut self, matrix: &SymmetricMatrix) -> Result<(), SparseError> {
+    pub fn factorize(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
         if !matrix.values().iter().all(|v| v.is_finite()) {
             return Err(SparseError::NonFinite);
         }
@@ -69,35 +73,44 @@ impl Cholesky {
         let floor = VANISHING_PIVOT * 1e-2 * largest;
         let regularization =
             LltRegularization { dynamic_regularization_delta: floor, dynamic_regularization_epsilon: floor };
+        let too_large = || SparseError::TooLarge { dofs };
+        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        let mut buffer = MemBuffer::try_new(scratch).map_err(|_| too_large())?;
+        let mut values = Vec::new();
+        values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| too_large())?;
+        values.resize(self.symbolic.len_val(), 0.0);
         self.symbolic
             .factorize_numeric_llt(
-                &mut self.factor,
+                &mut values,
                 SparseColMatRef::new(symbolic, matrix.values()),
                 Side::Lower,
                 regularization,
                 Par::Seq,
-                MemStack::new(&mut self.buffer),
+                MemStack::new(&mut buffer),
                 Spec::default(),
             )
             .map_err(|_| SparseError::NonFinite)?;
-        let mut singular: Vec<usize> = self
+        let factor = Factor { symbolic: Arc::clone(&self.symbolic), values };
+        let mut singular: Vec<usize> = factor
             .pivots()
             .into_iter()
             .filter(|&(dof, pivot)| !(pivot > VANISHING_PIVOT * diagonal(dof) && pivot > 2.0 * floor))
             .map(|(dof, _)| dof)
             .collect();
         singular.sort_unstable();
-        if singular.is_empty() { Ok(()) } else { Err(SparseError::Singular { dofs: singular }) }
+        if singular.is_empty() { Ok(factor) } else { Err(SparseError::Singular { dofs: singular }) }
     }
+}
 
+impl Factor {
     /// Unknown and pivot of every column of the factor.
     fn pivots(&self) -> Vec<(usize, f64)> {
         let diagonal: Vec<f64> = match self.symbolic.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
-                symbolic.col_ptr()[..symbolic.ncols()].iter().map(|&start| self.factor[start]).collect()
+                symbolic.col_ptr()[..symbolic.ncols()].iter().map(|&start| self.values[start]).collect()
             }
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let factor = supernodal::SupernodalLltRef::new(symbolic, &self.factor);
+                let factor = supernodal::SupernodalLltRef::new(symbolic, &self.values);
                 (0..symbolic.n_supernodes())
                     .flat_map(|s| {
                         let block = factor.supernode(s).val();
@@ -110,18 +123,19 @@ impl Cholesky {
         diagonal.iter().enumerate().map(|(k, l)| (order.map_or(k, |order| order[k]), l * l)).collect()
     }
 
-    /// Solves `A x = b` with the matrix factorised last; `rhs` holds `b` and becomes `x`.
+    /// Solves `A x = b`; `rhs` holds `b` and becomes `x`.
     ///
     /// # Panics
     ///
     /// If `rhs` does not have one entry per unknown.
-    pub fn solve(&mut self, rhs: &mut [f64]) {
+    pub fn solve(&self, rhs: &mut [f64]) {
         let dofs = self.symbolic.nrows();
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+        let mut buffer = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(rhs, dofs, 1),
             Par::Seq,
-            MemStack::new(&mut self.buffer),
+            MemStack::new(&mut buffer),
         );
     }
 }

@@ -8,7 +8,7 @@ mod error;
 mod matrix;
 mod pattern;
 
-pub use cholesky::Cholesky;
+pub use cholesky::{Cholesky, Factor};
 pub use error::SparseError;
 pub use matrix::SymmetricMatrix;
 pub use pattern::Pattern;

@@ -1,1 +1,80 @@
-//! x
+//! Finite-element digital image correlation in the physical space.
+//!
+//! Two images of a speckled specimen, a finite element mesh and a calibrated camera `P` give the displacement `U` of the
+//! mesh's nodes, in the mesh's own unit, that minimises
+//!
+//! ```text
+//! integral over the mesh of [ f(P(X)) - g~(P(X + U(X))) ]^2 dX
+//! ```
+//!
+//! where `g~` is the deformed image with its brightness and contrast brought to those of the reference image. The method
+//! and the equation numbers cited in this documentation are those of J.-E. Pierré, J.-C. Passieux, J.-N. Périé, F. Bugarin
+//! and L. Robert, *Unstructured finite element-based digital image correlation with enhanced management of quadrature and
+//! lens distortions*.
+//!
+//! Data flow one way: mesh and images, quadrature, projection, interpolation, system, solution. Start at [`Correlator`].
+//!
+//! # Examples
+//!
+//! ```
+//! use std::sync::Arc;
+//! use fedic::{CellType, Correlator, ImageFrame, ImageView, Options, Pixels, Start, rectangle_mesh};
+//!
+//! // A texture, and the same moved by 0.4 pixels to the right.
+//! let texture = |u: f32, v: f32| 120.0 + 50.0 * (0.8 * u + 0.1 * v).sin() + 40.0 * (0.7 * v - 0.2 * u).cos();
+//! let image = |shift: f32| -> Vec<f32> {
+//!     (0..100 * 100).map(|i| texture((i % 100) as f32 - shift, (i / 100) as f32)).collect()
+//! };
+//! let (reference, deformed) = (image(0.0), image(0.4));
+//! let view = |data| ImageView::new(100, 100, Pixels::F32(data));
+//!
+//! let mesh = rectangle_mesh([20.0, 20.0, 80.0, 80.0], 20.0, CellType::Quad)?;
+//! let correlator = Correlator::new(view(&reference)?, &mesh, Arc::new(ImageFrame), Options::default(), &())?;
+//! let solution = correlator.correlate(view(&deformed)?, Start::Zero, &())?;
+//! assert!(solution.converged);
+//! assert!(solution.displacement.iter().all(|u| (u[0] - 0.4).abs() < 1e-2 && u[1].abs() < 1e-2));
+//! # Ok::<(), fedic::Error>(())
+//! ```
+
+mod batch;
+mod brightness;
+mod cell_loop;
+mod cell_quadrature;
+mod correlator;
+mod error;
+mod field;
+mod gauss_newton;
+mod hessian;
+mod level;
+mod monitor;
+mod options;
+mod pyramid;
+mod regularization;
+mod residual;
+mod residual_map;
+mod sampler;
+mod solution;
+mod speckle;
+mod strain;
+mod system;
+
+pub use correlator::{Correlator, Start};
+pub use error::{Error, SolveError};
+pub use fedic_camera::{
+    BrownDistortion, Camera, CameraError, FrontParallel, ImageFrame, Pinhole, Scaled, rotation_from_vector, unproject,
+};
+pub use fedic_image::{
+    Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,
+};
+pub use fedic_mesh::{Cell, CellType, Locator, Mesh, MeshError, Rule, rectangle_mesh};
+pub use fedic_sparse::SparseError;
+pub use field::{cell_areas, interpolate_field};
+pub use monitor::{Monitor, Progress, Stage};
+pub use options::{Brightness, Gradient, Hessian, Options, Quadrature};
+pub use sampler::Sampler;
+pub use solution::{Iteration, Solution};
+pub use speckle::Speckle;
+pub use strain::cell_strains;
+
+/// Components of the displacement at each node: the two in the plane of the mesh.
+pub const COMPONENTS: usize = 2;

@@ -1,0 +1,150 @@
+//! The quadrature points of a cell, a batch at a time: reference coordinates, shape functions, positions and pixels.
+//!
+//! Every stage fills arrays by component, so that the next one runs over contiguous numbers.
+
+use fedic_camera::Camera;
+use fedic_mesh::{CellType, MAX_NODES, shape_values_batch};
+
+use crate::cell_quadrature::CellQuadrature;
+
+/// Points per batch.
+pub(crate) const BATCH: usize = 64;
+/// Sums run in this many lanes, in a fixed order.
+const LANES: usize = 4;
+
+/// One number per point of a batch.
+pub(crate) type Lane = [f64; BATCH];
+
+/// Work arrays of one thread.
+pub(crate) struct Batch {
+    len: usize,
+    padded: usize,
+    num_nodes: usize,
+    pub(crate) xi: Lane,
+    pub(crate) eta: Lane,
+    shape: [f64; MAX_NODES * BATCH],
+    position: [Lane; 3],
+    pub(crate) pixel: [Lane; 2],
+    jacobian: [[Lane; 3]; 2],
+    pub(crate) grey: [f32; BATCH],
+    pub(crate) gradient: [[f32; BATCH]; 2],
+}
+
+impl Batch {
+    pub(crate) fn new() -> Box<Self> {
+        Box::new(Self {
+            len: 0,
+            padded: 0,
+            num_nodes: 0,
+            xi: [0.0; BATCH],
+            eta: [0.0; BATCH],
+            shape: [0.0; MAX_NODES * BATCH],
+            position: [[0.0; BATCH]; 3],
+            pixel: [[0.0; BATCH]; 2],
+            jacobian: [[[0.0; BATCH]; 3]; 2],
+            grey: [0.0; BATCH],
+            gradient: [[0.0; BATCH]; 2],
+        })
+    }
+
+    /// Takes the `len` points of a cell from its point `first` on, and their shape functions.
+    pub(crate) fn take(
+        &mut self,
+        quadrature: &CellQuadrature,
+        cell: usize,
+        cell_type: CellType,
+        first: usize,
+        len: usize,
+    ) {
+        self.len = len;
+        self.padded = len.next_multiple_of(LANES);
+        self.num_nodes = cell_type.num_nodes();
+        let n = self.padded;
+        quadrature.coordinates(cell, first, &mut self.xi[..n], &mut self.eta[..n]);
+        shape_values_batch(cell_type, &self.xi[..n], &self.eta[..n], &mut self.shape);
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Shape function of one node at the points, some meaningless entries included past the last one.
+    pub(crate) fn shape(&self, node: usize) -> &[f64] {
+        &self.shape[node * self.padded..(node + 1) * self.padded]
+    }
+
+    /// Interpolates the nodes' positions.
+    fn locate(&mut self, nodes: &[[f64; 3]]) {
+        let n = self.padded;
+        for d in 0..3 {
+            let position = &mut self.position[d][..n];
+            position.fill(0.0);
+            for (a, node) in nodes.iter().enumerate() {
+                let shape = &self.shape[a * n..(a + 1) * n];
+                for k in 0..n {
+                    position[k] += shape[k] * node[d];
+                }
+            }
+        }
+    }
+
+    /// Projects the points of a cell with these nodes into the image.
+    pub(crate) fn project(&mut self, camera: &dyn Camera, nodes: &[[f64; 3]]) {
+        self.locate(nodes);
+        let n = self.padded;
+        let [x, y, z] = &self.position;
+        let [u, v] = &mut self.pixel;
+        camera.project_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n]);
+    }
+
+    /// Projects the points of a cell with these nodes into the image, with the camera's Jacobian.
+    pub(crate) fn project_with_jacobian(&mut self, camera: &dyn Camera, nodes: &[[f64; 3]]) {
+        if let Some(constant) = camera.constant_jacobian() {
+            for (row, values) in self.jacobian.iter_mut().zip(constant) {
+                for (entry, value) in row.iter_mut().zip(values) {
+                    entry[..self.padded].fill(value);
+                }
+            }
+            self.project(camera, nodes);
+            return;
+        }
+        self.locate(nodes);
+        let n = self.padded;
+        let [x, y, z] = &self.position;
+        let [u, v] = &mut self.pixel;
+        let mut jacobian = self.jacobian.each_mut().map(|row| row.each_mut().map(|entry| &mut entry[..n]));
+        camera.project_with_jacobian_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n], &mut jacobian);
+    }
+
+    /// Component `c` of `q = J_P^T grad f` at point `k`.
+    #[inline]
+    pub(crate) fn pull_back(&self, c: usize, k: usize, gradient: [f32; 2]) -> f64 {
+        self.jacobian[0][c][k] * f64::from(gradient[0]) + self.jacobian[1][c][k] * f64::from(gradient[1])
+    }
+
+    /// Sums `weight * signal` of several signals over the points; signals must vanish past the last point.
+    #[inline]
+    pub(crate) fn sums<const S: usize>(&self, weight: &[f64], signals: &[Lane; S]) -> [f64; S] {
+        let mut lanes = [[0.0; LANES]; S];
+        for (block, weight) in weight.as_chunks::<LANES>().0.iter().enumerate() {
+            for s in 0..S {
+                let signal = &signals[s].as_chunks::<LANES>().0[block];
+                for lane in 0..LANES {
+                    lanes[s][lane] += weight[lane] * signal[lane];
+                }
+            }
+        }
+        lanes.map(|[a, b, c, d]| (a + c) + (b + d))
+    }
+
+    /// Sets the entries past the last point to zero.
+    pub(crate) fn clear_tail(&self, signals: &mut [Lane]) {
+        for signal in signals {
+            signal[self.len..self.padded].fill(0.0);
+        }
+    }
+
+    pub(crate) fn num_nodes(&self) -> usize {
+        self.num_nodes
+    }
+}

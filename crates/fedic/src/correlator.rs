@@ -1,0 +1,202 @@
+//! The reference image prepared once, and the correlation of each deformed image with it.
+
+use std::sync::{Arc, OnceLock};
+
+use fedic_camera::Camera;
+use fedic_image::{Image, ImageView, downsample};
+use fedic_mesh::Mesh;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::gauss_newton::Iterations;
+use crate::level::{Level, LevelSettings};
+use crate::pyramid::Pyramid;
+use crate::residual::Evaluator;
+use crate::sampler::value_interpolator;
+use crate::system::System;
+use crate::{COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map};
+
+/// Where the iterations start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start<'a> {
+    /// No displacement.
+    Zero,
+    /// The displacement found on reduced images: converges from further away.
+    Pyramid,
+    /// A displacement per node of the mesh, in its unit; only nodes that a cell uses need a finite one.
+    Field(&'a [[f64; COMPONENTS]]),
+}
+
+/// A reference image read at the quadrature points of a mesh, ready to be correlated with any number of deformed images.
+///
+/// See the [crate's documentation](crate) for an example.
+pub struct Correlator {
+    system: System,
+    camera: Arc<dyn Camera>,
+    options: Options,
+    size: [usize; 2],
+    level: Level,
+    reduced: Option<Image>,
+    pyramid: OnceLock<Pyramid>,
+    pool: Option<ThreadPool>,
+}
+
+impl Correlator {
+    /// Reads `reference` at the quadrature points of `mesh` seen by `camera`, assembles the Hessian and factorises it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] where an option is out of its range, the mesh leaves the image, the image is flat, or it does not
+    /// determine the displacement of every node; [`Error::Cancelled`] where `monitor` asks to stop.
+    pub fn new(
+        reference: ImageView<'_>,
+        mesh: &Mesh,
+        camera: Arc<dyn Camera>,
+        options: Options,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Error> {
+        options.check()?;
+        let pool = options.num_threads.map(thread_pool).transpose()?;
+        let prepare = || {
+            let system = System::new(mesh)?;
+            let sampler = Sampler::new(reference, options.interpolation, options.gradient, options.prefilter)?;
+            let settings = LevelSettings {
+                quadrature: options.quadrature,
+                size: [reference.width(), reference.height()],
+                wavelength: options.regularization,
+                whole_mesh: true,
+            };
+            let level = Level::new(&system, Arc::clone(&camera), &sampler, &settings, monitor)?;
+            Ok::<_, Error>((system, level, downsample(reference).ok()))
+        };
+        let (system, level, reduced) = match &pool {
+            Some(pool) => pool.install(prepare),
+            None => prepare(),
+        }?;
+        let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_std: 0.0 };
+        monitor.progress(&prepared);
+        let size = [reference.width(), reference.height()];
+        Ok(Self { system, camera, options, size, level, reduced, pyramid: OnceLock::new(), pool })
+    }
+
+    /// Number of quadrature points.
+    pub fn num_points(&self) -> usize {
+        self.level.num_points()
+    }
+
+    /// Measures the displacement between the reference image and `deformed`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] where the images differ in size, the deformed one is flat, the start does not fit the mesh or the
+    /// iterations diverge; [`Error::Cancelled`] where `monitor` asks to stop. Iterations that end before they reach the
+    /// tolerance are no error: see [`Solution::converged`].
+    pub fn correlate(
+        &self,
+        deformed: ImageView<'_>,
+        start: Start<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Solution, Error> {
+        self.check_size(deformed)?;
+        self.in_pool(|| self.solve(deformed, start, monitor))
+    }
+
+    /// Residual `f - g~`, in grey levels, at the pixels of the reference image: the mean over the quadrature points in
+    /// each pixel, row after row, NaN in pixels without any.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`correlate`](Self::correlate).
+    pub fn residual_map(
+        &self,
+        deformed: ImageView<'_>,
+        displacement: &[[f64; COMPONENTS]],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<f32>, Error> {
+        self.check_size(deformed)?;
+        self.in_pool(|| {
+            let displacement = self.system.restrict(displacement)?;
+            let interpolator = value_interpolator(deformed, self.options.interpolation, self.options.prefilter)?;
+            residual_map::residual_map(&self.evaluator(&interpolator), &displacement, self.size, monitor)
+        })
+    }
+
+    fn solve(&self, deformed: ImageView<'_>, start: Start<'_>, monitor: &dyn Monitor) -> Result<Solution, Error> {
+        let mut history = Vec::new();
+        let first = match start {
+            Start::Zero => vec![[0.0; COMPONENTS]; self.system.mesh.num_nodes()],
+            Start::Field(field) => self.system.restrict(field)?,
+            Start::Pyramid => {
+                self.pyramid(monitor)?.start(&self.system, deformed, self.options.brightness, &mut history, monitor)?
+            }
+        };
+        let interpolator = value_interpolator(deformed, self.options.interpolation, self.options.prefilter)?;
+        let iterations = Iterations {
+            level: 0,
+            hessian: self.options.hessian,
+            tolerance: self.options.tolerance,
+            max_iterations: self.options.max_iterations,
+            largest_correction: self.size[0].max(self.size[1]) as f64,
+        };
+        let outcome = iterations.run(&self.evaluator(&interpolator), first, &mut history, monitor)?;
+        let pixel_displacement: Vec<[f64; 2]> = self
+            .system
+            .mesh
+            .points()
+            .iter()
+            .zip(&outcome.displacement)
+            .map(|(&point, u)| {
+                let mut displaced = point;
+                displaced.iter_mut().zip(u).for_each(|(x, u)| *x += u);
+                let (from, to) = (self.camera.project(point), self.camera.project(displaced));
+                [to[0] - from[0], to[1] - from[1]]
+            })
+            .collect();
+        Ok(Solution {
+            displacement: self.system.extend(&outcome.displacement),
+            pixel_displacement: self.system.extend(&pixel_displacement),
+            converged: outcome.converged,
+            iterations: history.iter().filter(|iteration| iteration.level == 0).count(),
+            history,
+            residual_std: outcome.evaluation.residual_std,
+            cell_residuals: outcome.evaluation.cell_residuals,
+            outside_cells: outcome.evaluation.outside_cells,
+            num_points: self.num_points(),
+        })
+    }
+
+    fn pyramid(&self, monitor: &dyn Monitor) -> Result<&Pyramid, Error> {
+        if self.pyramid.get().is_none() {
+            let built = match &self.reduced {
+                Some(reduced) => Pyramid::new(&self.system, &self.camera, reduced, monitor)?,
+                None => Pyramid::empty(),
+            };
+            // Another thread may have been faster; both built the same.
+            let _ = self.pyramid.set(built);
+        }
+        Ok(self.pyramid.get_or_init(Pyramid::empty))
+    }
+
+    fn evaluator<'a>(&'a self, deformed: &'a fedic_image::Interpolator) -> Evaluator<'a> {
+        Evaluator { system: &self.system, level: &self.level, deformed, brightness: self.options.brightness }
+    }
+
+    fn check_size(&self, deformed: ImageView<'_>) -> Result<(), Error> {
+        let found = [deformed.width(), deformed.height()];
+        if found == self.size { Ok(()) } else { Err(Error::SizeMismatch { reference: self.size, deformed: found }) }
+    }
+
+    fn in_pool<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
+
+fn thread_pool(num_threads: usize) -> Result<ThreadPool, SolveError> {
+    ThreadPoolBuilder::new().num_threads(num_threads).build().map_err(|_| SolveError::InvalidOption {
+        option: "num_threads",
+        expected: "a number of threads that this machine can start",
+        value: num_threads.to_string(),
+    })
+}

@@ -1,0 +1,117 @@
+//! Gauss-Newton iterations on one level.
+
+use crate::residual::{Evaluation, Evaluator};
+use crate::{COMPONENTS, Error, Hessian, Iteration, Monitor, Progress, SolveError, Stage};
+
+/// How the iterations run on a level.
+pub(crate) struct Iterations {
+    pub(crate) level: usize,
+    pub(crate) hessian: Hessian,
+    /// In pixels of the level's own image.
+    pub(crate) tolerance: f64,
+    pub(crate) max_iterations: usize,
+    /// Larger side of the level's image: no correction can be larger.
+    pub(crate) largest_correction: f64,
+}
+
+/// Where the iterations ended.
+pub(crate) struct Outcome {
+    pub(crate) displacement: Vec<[f64; COMPONENTS]>,
+    pub(crate) converged: bool,
+    /// At the displacement before the last correction.
+    pub(crate) evaluation: Evaluation,
+}
+
+impl Iterations {
+    /// Minimises the residual from `displacement` on and appends every iteration to `history`.
+    pub(crate) fn run(
+        &self,
+        evaluator: &Evaluator<'_>,
+        mut displacement: Vec<[f64; COMPONENTS]>,
+        history: &mut Vec<Iteration>,
+        monitor: &dyn Monitor,
+    ) -> Result<Outcome, Error> {
+        let (system, level) = (evaluator.system, evaluator.level);
+        let mut iteration = 0;
+        loop {
+            iteration += 1;
+            let mut evaluation = evaluator.evaluate(&displacement, self.hessian == Hessian::Updated, monitor)?;
+            let mut step = std::mem::take(&mut evaluation.right_hand_side);
+            if let Some(penalty) = level.penalty {
+                let pull = system.laplacian().matrix.multiply(&system.pattern, displacement.as_flattened());
+                step.iter_mut().zip(pull).for_each(|(b, pull)| *b -= penalty * pull);
+            }
+            match &mut evaluation.hessian {
+                Some(hessian) => {
+                    if let Some(penalty) = level.penalty {
+                        hessian.add_scaled(penalty, &system.laplacian().matrix);
+                    }
+                    system.factorize(hessian, &level.quadrature)?.solve(&mut step);
+                }
+                None => level.factor.solve(&mut step),
+            }
+            let step = step.as_chunks::<COMPONENTS>().0;
+            let corrections = self.corrections(evaluator, &displacement, step);
+            let correction = corrections.iter().copied().fold(0.0, f64::max);
+            if corrections.iter().any(|&c| self.is_too_large(c)) {
+                return Err(self.diverged(evaluator, iteration, &corrections));
+            }
+            for (u, step) in displacement.iter_mut().zip(step) {
+                for (u, step) in u.iter_mut().zip(step) {
+                    *u += step;
+                }
+            }
+            let scale = f64::from(1_u32 << self.level);
+            let done = Iteration {
+                level: self.level,
+                iteration,
+                correction: correction * scale,
+                residual_std: evaluation.residual_std,
+            };
+            history.push(done);
+            monitor.progress(&Progress {
+                stage: if self.level == 0 { Stage::Solve } else { Stage::Pyramid },
+                level: self.level,
+                iteration,
+                correction: done.correction,
+                residual_std: done.residual_std,
+            });
+            let converged = correction <= self.tolerance;
+            if converged || iteration == self.max_iterations {
+                return Ok(Outcome { displacement, converged, evaluation });
+            }
+        }
+    }
+
+    /// Length in pixels of the correction of each node.
+    fn corrections(
+        &self,
+        evaluator: &Evaluator<'_>,
+        displacement: &[[f64; COMPONENTS]],
+        step: &[[f64; COMPONENTS]],
+    ) -> Vec<f64> {
+        let camera = evaluator.level.camera.as_ref();
+        let points = evaluator.system.mesh.points();
+        let nodes = points.iter().zip(displacement).zip(step);
+        nodes
+            .map(|((&point, u), step)| {
+                let mut place = point;
+                place.iter_mut().zip(u).for_each(|(x, u)| *x += u);
+                let (_, jacobian) = camera.project_with_jacobian(place);
+                let [du, dv] = jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
+                du.hypot(dv)
+            })
+            .collect()
+    }
+
+    fn is_too_large(&self, correction: f64) -> bool {
+        correction.is_nan() || correction > self.largest_correction
+    }
+
+    fn diverged(&self, evaluator: &Evaluator<'_>, iteration: usize, corrections: &[f64]) -> Error {
+        let moved = |&node: &usize| self.is_too_large(corrections[node]);
+        let nodes = evaluator.system.user_nodes((0..corrections.len()).filter(moved).collect());
+        let correction = corrections.iter().copied().fold(0.0, |m: f64, c| if c.is_nan() { c } else { m.max(c) });
+        SolveError::Diverged { iteration, nodes, correction }.into()
+    }
+}

@@ -1,0 +1,71 @@
+//! An image prepared for reading values and gradients anywhere.
+
+use fedic_image::{Image, ImageError, ImageView, Interpolation, Interpolator, central_differences, gaussian_filter};
+
+use crate::Gradient;
+
+/// An image, filtered if asked, with its interpolant and the gradient of the chosen kind.
+#[derive(Debug, Clone)]
+pub struct Sampler {
+    value: Interpolator,
+    differences: Option<[Interpolator; 2]>,
+}
+
+impl Sampler {
+    /// Prepares an image; `prefilter` is the standard deviation in pixels of a Gaussian filter, 0 for none.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError`] where the filter is wider than the image.
+    pub fn new(
+        view: ImageView<'_>,
+        interpolation: Interpolation,
+        gradient: Gradient,
+        prefilter: f64,
+    ) -> Result<Self, ImageError> {
+        let filtered = filter(view, prefilter)?;
+        let view = filtered.as_ref().map_or(view, Image::view);
+        let differences = match gradient {
+            Gradient::Analytic => None,
+            Gradient::FiniteDifference => {
+                let (along_u, along_v) = central_differences(view);
+                Some([
+                    Interpolator::new(along_u.view(), interpolation),
+                    Interpolator::new(along_v.view(), interpolation),
+                ])
+            }
+        };
+        Ok(Self { value: Interpolator::new(view, interpolation), differences })
+    }
+
+    /// Grey levels and gradients `(d/du, d/dv)` at image points; NaN outside the image.
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    pub fn values_and_gradients(&self, u: &[f64], v: &[f64], value: &mut [f32], gradient: [&mut [f32]; 2]) {
+        let [along_u, along_v] = gradient;
+        match &self.differences {
+            None => self.value.values_and_gradients(u, v, value, along_u, along_v),
+            Some([differences_u, differences_v]) => {
+                self.value.values(u, v, value);
+                differences_u.values(u, v, along_u);
+                differences_v.values(u, v, along_v);
+            }
+        }
+    }
+}
+
+/// The interpolant of an image of which only values are read.
+pub(crate) fn value_interpolator(
+    view: ImageView<'_>,
+    interpolation: Interpolation,
+    prefilter: f64,
+) -> Result<Interpolator, ImageError> {
+    let filtered = filter(view, prefilter)?;
+    Ok(Interpolator::new(filtered.as_ref().map_or(view, Image::view), interpolation))
+}
+
+fn filter(view: ImageView<'_>, prefilter: f64) -> Result<Option<Image>, ImageError> {
+    if prefilter > 0.0 { gaussian_filter(view, prefilter).map(Some) } else { Ok(None) }
+}
