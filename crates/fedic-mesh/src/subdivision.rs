@@ -7,7 +7,8 @@ use crate::CellType;
 /// How finely a cell is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
-    /// Quads by the lengths of their own two directions, triangles by their area: about one point per pixel.
+    /// Each direction of a quad by the whole pixels in the shorter of its two edges, a triangle by the root of its area:
+    /// about one point per pixel, never more along an edge.
     #[default]
     Edges,
     /// The paper's: every edge by the largest distance between two nodes, about two points per pixel.
@@ -49,18 +50,18 @@ impl Subdivision {
         let per_length = density.sqrt();
         match rule {
             Rule::Diameter => {
-                let n = (diameter(pixels) * per_length).ceil().max(1.0) as u32;
+                let n = whole((diameter(pixels) * per_length).ceil());
                 if cell_type.is_triangle() { Self::Triangle { n } } else { Self::Quad { nx: n, ny: n } }
             }
             Rule::Edges if cell_type.is_triangle() => {
                 let outline = cell_type.outline().iter().map(|&a| pixels[a]);
-                let n = (polygon_area(outline).sqrt() * per_length).round().max(1.0) as u32;
-                Self::Triangle { n }
+                Self::Triangle { n: whole(polygon_area(outline).sqrt() * per_length) }
             }
             Rule::Edges => {
-                let parts = |one: f64, other: f64| (0.5 * (one + other) * per_length).round().max(1.0) as u32;
-                let edge = |from| edge_length(cell_type, pixels, from);
-                Self::Quad { nx: parts(edge(0), edge(2)), ny: parts(edge(1), edge(3)) }
+                let shorter = |one, other| {
+                    whole(edge_length(cell_type, pixels, one).min(edge_length(cell_type, pixels, other)) * per_length)
+                };
+                Self::Quad { nx: shorter(0, 2), ny: shorter(1, 3) }
             }
         }
     }
@@ -119,6 +120,11 @@ impl Subdivision {
             }
         }
     }
+}
+
+/// Whole parts of a length in pixels, at least one.
+fn whole(length: f64) -> u32 {
+    length.floor().max(1.0) as u32
 }
 
 /// Row of the sub-triangle `index`, and its place in the row.

@@ -1,23 +1,30 @@
-//! trial
-use faer::prelude::*;
-use faer::Mat;
-use numpy::{PyArray1, PyReadonlyArray2, PyUntypedArrayMethods, PyArrayMethods};
+//! The extension module `fedic._core`: checks and borrows NumPy arrays, releases the interpreter lock, converts errors.
+
+mod arrays;
+mod camera;
+mod correlator;
+mod errors;
+mod image;
+mod mesh;
+mod speckle;
+mod worker;
+
 use pyo3::prelude::*;
 
-#[pyfunction]
-fn solve<'py>(py: Python<'py>, a: PyReadonlyArray2<'py, f64>, b: Vec<f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let v = a.as_array();
-    let x = py.detach(|| {
-        let m = Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[[i, j]]);
-        let r = Mat::from_fn(b.len(), 1, |i, _| b[i]);
-        m.partial_piv_lu().solve(&r).col_as_slice(0).to_vec()
-    });
-    let _ = a.shape();
-    Ok(PyArray1::from_vec(py, x))
-}
-
+/// The compiled core of fedic.
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::solve;
+    use crate::camera::{BrownDistortion, FrontParallel, ImageFrame, Pinhole};
+    #[pymodule_export]
+    use crate::correlator::{Correlator, Solution};
+    #[pymodule_export]
+    use crate::image::interpolate_image;
+    #[pymodule_export]
+    use crate::mesh::{Mesh, rectangle_mesh};
+    #[pymodule_export]
+    use crate::speckle::Speckle;
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use fedic_camera::Camera;
 use fedic_image::{Image, ImageView, downsample};
-use fedic_mesh::Mesh;
+use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::gauss_newton::Iterations;
@@ -81,6 +81,23 @@ impl Correlator {
     /// Number of quadrature points.
     pub fn num_points(&self) -> usize {
         self.level.num_points()
+    }
+
+    /// World points of the quadrature points, their weights and their cells, cell after cell.
+    pub fn quadrature_points(&self) -> (Vec<[f64; 3]>, Vec<f64>, Vec<usize>) {
+        let mesh = &self.system.mesh;
+        let mut points = Vec::with_capacity(self.num_points());
+        let mut cells = Vec::with_capacity(self.num_points());
+        for cell in 0..mesh.num_cells() {
+            let nodes = mesh.cell_points(cell);
+            let count = self.level.quadrature.range(cell).len();
+            let (mut xi, mut eta) = (vec![0.0; count], vec![0.0; count]);
+            self.level.quadrature.coordinates(cell, 0, &mut xi, &mut eta);
+            points.extend(xi.iter().zip(&eta).map(|(&x, &y)| map(mesh.cell(cell).cell_type, &nodes, [x, y])));
+            cells.extend(std::iter::repeat_n(cell, count));
+        }
+        let weights = (0..mesh.num_cells()).flat_map(|cell| self.level.cell_points(cell));
+        (points, weights.map(|point| f64::from(point.weight)).collect(), cells)
     }
 
     /// Measures the displacement between the reference image and `deformed`.

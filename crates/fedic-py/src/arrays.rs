@@ -1,0 +1,75 @@
+//! NumPy arrays in and out, with errors that say which array, its shape and what was expected.
+
+use numpy::{
+    AllowTypeChange, PyArray, PyArray2, PyArrayDescrMethods, PyArrayLike2, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+
+/// Makes the exception of a module out of a sentence.
+pub(crate) type Raise = fn(String) -> PyErr;
+
+/// Rows of `D` numbers each, read from anything NumPy can make a float64 array of.
+pub(crate) fn rows<const D: usize>(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<Vec<[f64; D]>> {
+    let array = matrix(object, name, raise)?;
+    let view = array.as_array();
+    if view.ncols() != D {
+        return Err(raise(format!("{name} must have shape (n, {D}), got {:?}", view.shape())));
+    }
+    Ok(view.rows().into_iter().map(|row| std::array::from_fn(|c| row[c])).collect())
+}
+
+/// Points of the physical space: rows of 2 or 3 coordinates, the third zero where there are 2, and how many were given.
+pub(crate) fn points(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<(Vec<[f64; 3]>, usize)> {
+    let array = matrix(object, name, raise)?;
+    let view = array.as_array();
+    let dimension = view.ncols();
+    if !(2..=3).contains(&dimension) {
+        return Err(raise(format!("{name} must have shape (n, 2) or (n, 3), got {:?}", view.shape())));
+    }
+    let third = |row: &numpy::ndarray::ArrayView1<'_, f64>| if dimension == 3 { row[2] } else { 0.0 };
+    Ok((view.rows().into_iter().map(|row| [row[0], row[1], third(&row)]).collect(), dimension))
+}
+
+/// A 2-dimensional array of float64.
+pub(crate) fn matrix<'py>(
+    object: &Bound<'py, PyAny>,
+    name: &str,
+    raise: Raise,
+) -> PyResult<PyArrayLike2<'py, f64, AllowTypeChange>> {
+    object
+        .extract()
+        .map_err(|_| raise(format!("{name} must be a 2-dimensional array of real numbers, got {}", describe(object))))
+}
+
+/// A 2-dimensional array of indices, by rows; numbers that are no integers are refused.
+pub(crate) fn indices(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<(Vec<i64>, usize)> {
+    let refuse = || raise(format!("{name} must be a 2-dimensional array of integers, got {}", describe(object)));
+    let array: PyArrayLike2<'_, i64, AllowTypeChange> = object.extract().map_err(|_| refuse())?;
+    let is_integer = object.cast::<PyUntypedArray>().map_or(true, |given| matches!(given.dtype().kind(), b'i' | b'u'));
+    let exact = is_integer || {
+        let real: PyArrayLike2<'_, f64, AllowTypeChange> = object.extract().map_err(|_| refuse())?;
+        real.as_array().iter().all(|x| x.fract() == 0.0)
+    };
+    if !exact {
+        return Err(refuse());
+    }
+    let view = array.as_array();
+    Ok((view.iter().copied().collect(), view.ncols()))
+}
+
+/// What an object is, in the words of an error message.
+pub(crate) fn describe(object: &Bound<'_, PyAny>) -> String {
+    match object.cast::<PyUntypedArray>() {
+        Ok(array) => format!("an array of shape {:?} and dtype {}", array.shape(), array.dtype()),
+        Err(_) => object.get_type().name().map_or_else(|_| "another object".to_owned(), |name| name.to_string()),
+    }
+}
+
+/// Rows as a new `(n, D)` array.
+pub(crate) fn to_array<'py, T: numpy::Element + Copy, const D: usize>(
+    py: Python<'py>,
+    rows: &[[T; D]],
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    PyArray::from_slice(py, rows.as_flattened()).reshape([rows.len(), D])
+}

@@ -1,0 +1,389 @@
+//! Cameras.
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use fedic::{Camera, CameraError, rotation_from_vector, unproject};
+use numpy::{PyArray, PyArray2, PyArray3, PyArrayMethods};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::arrays::{self, matrix, rows, to_array};
+use crate::errors::{IntoPyErr, camera_error};
+use crate::worker::run;
+
+/// Points per parallel task, at the least.
+const GRAIN: usize = 1024;
+
+/// Any of the cameras, for the correlator.
+pub(crate) fn any_camera(object: &Bound<'_, PyAny>) -> PyResult<Arc<dyn Camera>> {
+    if object.cast::<ImageFrame>().is_ok() {
+        Ok(Arc::new(fedic::ImageFrame))
+    } else if let Ok(camera) = object.cast::<FrontParallel>() {
+        Ok(Arc::new(camera.get().0))
+    } else if let Ok(camera) = object.cast::<Pinhole>() {
+        Ok(Arc::new(camera.get().0))
+    } else {
+        Err(camera_error(format!(
+            "camera must be an ImageFrame, a FrontParallel or a Pinhole, got {}",
+            arrays::describe(object)
+        )))
+    }
+}
+
+fn project<'py>(
+    py: Python<'py>,
+    camera: &dyn Camera,
+    points: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (points, _) = arrays::points(points, "points", camera_error)?;
+    let project = |&point: &[f64; 3]| camera.project(point);
+    let pixels = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(project).collect::<Vec<_>>()))?;
+    to_array(py, &pixels)
+}
+
+fn jacobian<'py>(
+    py: Python<'py>,
+    camera: &dyn Camera,
+    points: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (points, _) = arrays::points(points, "points", camera_error)?;
+    let jacobian = |&point: &[f64; 3]| camera.project_with_jacobian(point).1;
+    let jacobians = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(jacobian).collect::<Vec<_>>()))?;
+    PyArray::from_slice(py, jacobians.as_flattened().as_flattened()).reshape([points.len(), 2, 3])
+}
+
+fn unproject_pixels<'py>(
+    py: Python<'py>,
+    camera: &dyn Camera,
+    pixels: &Bound<'py, PyAny>,
+    z: f64,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let pixels = rows::<2>(pixels, "pixels", camera_error)?;
+    let unproject = |&pixel: &[f64; 2]| unproject(camera, pixel, z);
+    let points = run(py, None, |_| Ok(pixels.par_iter().with_min_len(GRAIN).map(unproject).collect::<Vec<_>>()))?;
+    let failed = points.iter().filter(|point| point.is_none()).count();
+    if let Some(first) = points.iter().position(Option::is_none) {
+        let [u, v] = pixels[first];
+        return Err(camera_error(format!(
+            "{failed} of {} pixels cannot be taken back to the plane Z = {z}, the first of them number {first} at \
+             ({u}, {v}): the camera or its lens model does not reach there",
+            pixels.len()
+        )));
+    }
+    to_array(py, &points.into_iter().flatten().collect::<Vec<_>>())
+}
+
+/// The three methods that every camera has.
+macro_rules! camera_methods {
+    ($type:ident { $($own:item)* }) => {
+        #[pymethods]
+        impl $type {
+            $($own)*
+
+            /// Image points of world points.
+            ///
+            /// Parameters
+            /// ----------
+            /// points : (n, 2) or (n, 3) array_like
+            ///     World points; ``Z = 0`` where there are two coordinates.
+            ///
+            /// Returns
+            /// -------
+            /// (n, 2) float64
+            ///     ``(u, v)`` in pixels; NaN where the camera cannot see the point.
+            fn project<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+                project(py, &self.0, points)
+            }
+
+            /// Derivatives of the image points by the world points.
+            ///
+            /// Parameters
+            /// ----------
+            /// points : (n, 2) or (n, 3) array_like
+            ///     World points.
+            ///
+            /// Returns
+            /// -------
+            /// (n, 2, 3) float64
+            ///     ``[i, 0] = du/d(X, Y, Z)``, ``[i, 1] = dv/d(X, Y, Z)`` in pixels per world unit.
+            fn jacobian<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+                jacobian(py, &self.0, points)
+            }
+
+            /// World points of the plane ``Z = z`` seen at image points, by Newton's method (paper, Sect. 5.2).
+            ///
+            /// Parameters
+            /// ----------
+            /// pixels : (n, 2) array_like
+            ///     ``(u, v)`` in pixels.
+            /// z : float
+            ///     The plane.
+            ///
+            /// Returns
+            /// -------
+            /// (n, 3) float64
+            ///     World points.
+            ///
+            /// Raises
+            /// ------
+            /// CameraError
+            ///     If a pixel cannot be taken back to the plane.
+            #[pyo3(signature = (pixels, z=0.0))]
+            fn unproject<'py>(&self, py: Python<'py>, pixels: &Bound<'py, PyAny>, z: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+                unproject_pixels(py, &self.0, pixels, z)
+            }
+        }
+    };
+}
+
+/// The mesh drawn in the image itself: ``u = X``, ``v = Y``.
+#[pyclass(frozen, eq, module = "fedic._core")]
+#[derive(PartialEq)]
+pub(crate) struct ImageFrame(fedic::ImageFrame);
+
+camera_methods!(ImageFrame {
+    #[new]
+    fn new() -> Self {
+        Self(fedic::ImageFrame)
+    }
+
+    fn __repr__(&self) -> &'static str {
+        "ImageFrame()"
+    }
+});
+
+/// Front-parallel view without distortion: ``u = u0 + k X``, ``v = v0 - k Y`` (paper, eq. 18).
+///
+/// Parameters
+/// ----------
+/// scale : float
+///     ``k``, pixels per world unit.
+/// origin : (u0, v0)
+///     Image point of the world's origin.
+///
+/// Raises
+/// ------
+/// CameraError
+///     If the scale is not positive or a parameter not finite.
+#[pyclass(frozen, eq, module = "fedic._core")]
+#[derive(PartialEq)]
+pub(crate) struct FrontParallel(fedic::FrontParallel);
+
+camera_methods!(FrontParallel {
+    #[new]
+    #[pyo3(signature = (scale, origin=[0.0, 0.0]))]
+    fn new(scale: f64, origin: [f64; 2]) -> PyResult<Self> {
+        fedic::FrontParallel::new(scale, origin).map(Self).map_err(IntoPyErr::into_py_err)
+    }
+
+    /// Pixels per world unit.
+    #[getter]
+    fn scale(&self) -> f64 {
+        self.0.scale()
+    }
+
+    /// Image point of the world's origin.
+    #[getter]
+    fn origin(&self) -> (f64, f64) {
+        self.0.origin().into()
+    }
+
+    fn __getnewargs__(&self) -> (f64, (f64, f64)) {
+        (self.scale(), self.origin())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("FrontParallel(scale={}, origin={:?})", self.scale(), self.origin())
+    }
+});
+
+/// Lens distortion after Brown: radial, decentering and prismatic (paper, eq. 27-30).
+///
+/// With ``r2 = x**2 + y**2`` the retinal point ``(x, y)`` is seen at
+/// ``x + x (k1 r2 + k2 r2**2 + k3 r2**3) + 2 d1 x y + d2 (r2 + 2 x**2) + p1 r2`` and
+/// ``y + y (k1 r2 + k2 r2**2 + k3 r2**3) + d1 (r2 + 2 y**2) + 2 d2 x y + p2 r2``.
+/// In OpenCV's names ``d1 = p1``, ``d2 = p2``, ``p1 = s1``, ``p2 = s3``.
+///
+/// Parameters
+/// ----------
+/// radial : (k1, k2, k3)
+/// decentering : (d1, d2)
+/// prism : (p1, p2)
+///
+/// Raises
+/// ------
+/// CameraError
+///     If a coefficient is not finite.
+#[pyclass(frozen, eq, from_py_object, module = "fedic._core")]
+#[derive(PartialEq, Clone)]
+pub(crate) struct BrownDistortion(fedic::BrownDistortion);
+
+#[pymethods]
+impl BrownDistortion {
+    #[new]
+    #[pyo3(signature = (radial=[0.0, 0.0, 0.0], decentering=[0.0, 0.0], prism=[0.0, 0.0]))]
+    fn new(radial: [f64; 3], decentering: [f64; 2], prism: [f64; 2]) -> PyResult<Self> {
+        fedic::BrownDistortion::new(radial, decentering, prism).map(Self).map_err(IntoPyErr::into_py_err)
+    }
+
+    /// ``(k1, k2, k3)``.
+    #[getter]
+    fn radial(&self) -> (f64, f64, f64) {
+        self.0.radial().into()
+    }
+
+    /// ``(d1, d2)``.
+    #[getter]
+    fn decentering(&self) -> (f64, f64) {
+        self.0.decentering().into()
+    }
+
+    /// ``(p1, p2)``.
+    #[getter]
+    fn prism(&self) -> (f64, f64) {
+        self.0.prism().into()
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn __getnewargs__(&self) -> ((f64, f64, f64), (f64, f64), (f64, f64)) {
+        (self.radial(), self.decentering(), self.prism())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "BrownDistortion(radial={:?}, decentering={:?}, prism={:?})",
+            self.radial(),
+            self.decentering(),
+            self.prism()
+        )
+    }
+}
+
+/// Pinhole camera with skewed pixels and a distorting lens (paper, Sect. 5.1).
+///
+/// The camera frame is OpenCV's: ``x`` right, ``y`` down, ``z`` forward, ``X_c = R X_w + t``. A retinal point falls at
+/// ``u = fx x + fx cot(theta) y + cx``, ``v = fy / sin(theta) y + cy``.
+///
+/// Parameters
+/// ----------
+/// focal : (fx, fy)
+///     In pixels.
+/// principal_point : (cx, cy)
+///     In pixels.
+/// rotation : (3,) or (3, 3) array_like
+///     Rotation vector (axis times angle in radians) or rotation matrix ``R``.
+/// translation : (3,)
+///     ``t``, in the world unit.
+/// skew_angle : float
+///     ``theta``, the angle between the pixel axes, in radians.
+/// distortion : BrownDistortion, optional
+///
+/// Raises
+/// ------
+/// CameraError
+///     If a parameter is not finite or out of its range, or the matrix no rotation.
+#[pyclass(frozen, eq, module = "fedic._core")]
+#[derive(PartialEq)]
+pub(crate) struct Pinhole(fedic::Pinhole);
+
+camera_methods!(Pinhole {
+    #[new]
+    #[pyo3(signature = (focal, principal_point, rotation=None, translation=[0.0, 0.0, 0.0], skew_angle=FRAC_PI_2, distortion=None))]
+    fn new(
+        focal: [f64; 2],
+        principal_point: [f64; 2],
+        rotation: Option<&Bound<'_, PyAny>>,
+        translation: [f64; 3],
+        skew_angle: f64,
+        distortion: Option<BrownDistortion>,
+    ) -> PyResult<Self> {
+        let rotation = rotation.map_or(Ok(rotation_from_vector([0.0; 3])), rotation_matrix)?;
+        let mut camera = fedic::Pinhole::new(focal, principal_point, rotation, translation)
+            .and_then(|camera| camera.with_skew_angle(skew_angle))
+            .map_err(IntoPyErr::into_py_err)?;
+        if let Some(lens) = distortion {
+            camera = camera.with_distortion(lens.0);
+        }
+        Ok(Self(camera))
+    }
+
+    /// Focal lengths ``(fx, fy)`` in pixels.
+    #[getter]
+    fn focal(&self) -> (f64, f64) {
+        self.0.focal().into()
+    }
+
+    /// Principal point ``(cx, cy)`` in pixels.
+    #[getter]
+    fn principal_point(&self) -> (f64, f64) {
+        self.0.principal_point().into()
+    }
+
+    /// Rotation matrix, (3, 3) float64.
+    #[getter]
+    fn rotation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.0.rotation())
+    }
+
+    /// Translation, in the world unit.
+    #[getter]
+    fn translation(&self) -> (f64, f64, f64) {
+        self.0.translation().into()
+    }
+
+    /// Angle between the pixel axes, in radians.
+    #[getter]
+    fn skew_angle(&self) -> f64 {
+        self.0.skew_angle()
+    }
+
+    /// The lens, or None where it does not distort.
+    #[getter]
+    fn distortion(&self) -> Option<BrownDistortion> {
+        self.0.distortion().copied().map(BrownDistortion)
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn __getnewargs__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((f64, f64), (f64, f64), Bound<'py, PyArray2<f64>>, (f64, f64, f64), f64, Option<BrownDistortion>)> {
+        let rotation = self.rotation(py)?;
+        Ok((self.focal(), self.principal_point(), rotation, self.translation(), self.skew_angle(), self.distortion()))
+    }
+
+    fn __repr__(&self) -> String {
+        let lens = self.distortion().map_or_else(|| "None".to_owned(), |lens| lens.__repr__());
+        format!(
+            "Pinhole(focal={:?}, principal_point={:?}, rotation={:?}, translation={:?}, skew_angle={}, distortion={lens})",
+            self.focal(),
+            self.principal_point(),
+            self.0.rotation(),
+            self.translation(),
+            self.skew_angle()
+        )
+    }
+});
+
+/// A rotation matrix from a rotation vector or a matrix.
+fn rotation_matrix(object: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 3]> {
+    if let Ok(vector) = object.extract::<[f64; 3]>() {
+        if !vector.iter().all(|c| c.is_finite()) {
+            return Err(CameraError::NonFinite { parameter: "rotation" }.into_py_err());
+        }
+        return Ok(rotation_from_vector(vector));
+    }
+    let refuse = || {
+        camera_error(format!(
+            "rotation must be a rotation vector (3,) or a matrix (3, 3), got {}",
+            arrays::describe(object)
+        ))
+    };
+    let given = matrix(object, "rotation", camera_error).map_err(|_| refuse())?;
+    let view = given.as_array();
+    if view.shape() != [3, 3] {
+        return Err(refuse());
+    }
+    Ok(std::array::from_fn(|r| std::array::from_fn(|c| view[[r, c]])))
+}

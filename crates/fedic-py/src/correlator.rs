@@ -1,0 +1,204 @@
+//! The correlator and its solution.
+
+use std::str::FromStr;
+
+use fedic::{Brightness, Gradient, Hessian, Interpolation, Iteration, Options, Quadrature, Rule, Start};
+use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{rows, to_array};
+use crate::camera::any_camera;
+use crate::errors::{IntoPyErr, mesh_error, solve_error};
+use crate::image::GreyArray;
+use crate::mesh::Mesh;
+use crate::worker::run;
+
+/// A reference image prepared on a mesh; see `fedic.Correlator`.
+#[pyclass(frozen, module = "fedic._core")]
+pub(crate) struct Correlator {
+    inner: fedic::Correlator,
+    size: [usize; 2],
+}
+
+#[pymethods]
+impl Correlator {
+    #[new]
+    #[pyo3(signature = (
+        reference, mesh, camera, *, rule="edges", density=1.0, interpolation="bspline3", gradient="analytic",
+        prefilter=0.0, brightness=Some("global"), hessian="initial", regularization=None, tolerance=1e-3,
+        max_iterations=50, num_threads=None, progress=None
+    ))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        reference: &Bound<'_, PyAny>,
+        mesh: &Bound<'_, PyAny>,
+        camera: &Bound<'_, PyAny>,
+        rule: &str,
+        density: f64,
+        interpolation: &str,
+        gradient: &str,
+        prefilter: f64,
+        brightness: Option<&str>,
+        hessian: &str,
+        regularization: Option<f64>,
+        tolerance: f64,
+        max_iterations: usize,
+        num_threads: Option<usize>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mesh = mesh
+            .cast::<Mesh>()
+            .map_err(|_| mesh_error(format!("mesh must be a fedic.Mesh, got {}", crate::arrays::describe(mesh))))?
+            .get();
+        let camera = any_camera(camera)?;
+        let quadrature = match rule {
+            "pixel" => Quadrature::Pixel,
+            rule => Quadrature::Mesh { rule: Rule::from_str(rule).map_err(solve_error)?, density },
+        };
+        let options = Options {
+            quadrature,
+            interpolation: Interpolation::from_str(interpolation).map_err(|error| solve_error(error.to_string()))?,
+            gradient: Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?,
+            prefilter,
+            brightness: Brightness::from_str(brightness.unwrap_or("none")).map_err(IntoPyErr::into_py_err)?,
+            hessian: Hessian::from_str(hessian).map_err(IntoPyErr::into_py_err)?,
+            regularization,
+            tolerance,
+            max_iterations,
+            num_threads,
+        };
+        let grey = GreyArray::borrow(reference, "the reference image")?;
+        let view = grey.view("the reference image")?;
+        let size = [view.width(), view.height()];
+        let inner =
+            run(py, progress, move |monitor| fedic::Correlator::new(view, &mesh.inner, camera, options, monitor))?;
+        Ok(Self { inner, size })
+    }
+
+    /// Number of quadrature points.
+    #[getter]
+    fn num_points(&self) -> usize {
+        self.inner.num_points()
+    }
+
+    /// Measures one deformed image; see `fedic.Correlator.correlate`.
+    #[pyo3(signature = (deformed, *, initial=None, pyramid=false, progress=None))]
+    fn correlate(
+        &self,
+        py: Python<'_>,
+        deformed: &Bound<'_, PyAny>,
+        initial: Option<&Bound<'_, PyAny>>,
+        pyramid: bool,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Solution> {
+        let grey = GreyArray::borrow(deformed, "the deformed image")?;
+        let view = grey.view("the deformed image")?;
+        let field = initial.map(|field| rows::<2>(field, "initial", solve_error)).transpose()?;
+        run(py, progress, move |monitor| {
+            let start = match &field {
+                Some(field) => Start::Field(field),
+                None if pyramid => Start::Pyramid,
+                None => Start::Zero,
+            };
+            self.inner.correlate(view, start, monitor).map(Solution)
+        })
+    }
+
+    /// Residual at the pixels of the reference image, (h, w) float32; see `fedic.Correlator.residual_map`.
+    fn residual_map<'py>(
+        &self,
+        py: Python<'py>,
+        deformed: &Bound<'py, PyAny>,
+        displacement: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let grey = GreyArray::borrow(deformed, "the deformed image")?;
+        let view = grey.view("the deformed image")?;
+        let field = rows::<2>(displacement, "displacement", solve_error)?;
+        let map = run(py, None, |monitor| self.inner.residual_map(view, &field, monitor))?;
+        let [width, height] = self.size;
+        PyArray::from_vec(py, map).reshape([height, width])
+    }
+
+    /// Quadrature points.
+    ///
+    /// Returns
+    /// -------
+    /// points : (n, 3) float64
+    ///     World points.
+    /// weights : (n,) float64
+    ///     Area each stands for, in the mesh's unit squared; one pixel each for the pixel rule.
+    /// cells : (n,) int64
+    ///     Cell each lies in.
+    #[allow(clippy::type_complexity)]
+    fn quadrature_points<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)> {
+        let (points, weights, cells) = py.detach(|| self.inner.quadrature_points());
+        let cells = cells.into_iter().map(|cell| cell as i64).collect();
+        Ok((to_array(py, &points)?, PyArray1::from_vec(py, weights), PyArray1::from_vec(py, cells)))
+    }
+}
+
+/// The measured field and how it was reached; see `fedic.Result`.
+#[pyclass(frozen, module = "fedic._core")]
+pub(crate) struct Solution(fedic::Solution);
+
+#[pymethods]
+impl Solution {
+    /// Displacement of each node, (n, 2) float64, in the mesh's unit; NaN at nodes that no cell uses.
+    #[getter]
+    fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.0.displacement)
+    }
+
+    /// Displacement of each node in the image, (n, 2) float64, in pixels.
+    #[getter]
+    fn pixel_displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.0.pixel_displacement)
+    }
+
+    /// Whether the last correction was within the tolerance.
+    #[getter]
+    fn converged(&self) -> bool {
+        self.0.converged
+    }
+
+    /// Iterations on the images at full resolution.
+    #[getter]
+    fn iterations(&self) -> usize {
+        self.0.iterations
+    }
+
+    /// ``(level, iteration, correction in pixels, residual_std)`` of every iteration, coarsest level first.
+    #[getter]
+    fn history(&self) -> Vec<(usize, usize, f64, f64)> {
+        let row = |i: &Iteration| (i.level, i.iteration, i.correction, i.residual_std);
+        self.0.history.iter().map(row).collect()
+    }
+
+    /// Standard deviation of the residual over the mesh, in grey levels.
+    #[getter]
+    fn residual_std(&self) -> f64 {
+        self.0.residual_std
+    }
+
+    /// Root mean square of the residual over each cell, (num_cells,) float64, in grey levels.
+    #[getter]
+    fn cell_residuals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.0.cell_residuals)
+    }
+
+    /// Cells of which some points left the deformed image, int64.
+    #[getter]
+    fn outside_cells<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.0.outside_cells.iter().map(|&cell| cell as i64))
+    }
+
+    /// Number of quadrature points.
+    #[getter]
+    fn num_points(&self) -> usize {
+        self.0.num_points
+    }
+}

@@ -1,0 +1,100 @@
+//! From the core's errors to the exceptions of `fedic.errors`, with the cells, nodes or key at fault.
+
+use fedic::{CameraError, Error, ImageError, MeshError, SolveError};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+mod python {
+    #![allow(missing_docs)]
+    pyo3::import_exception!(fedic.errors, MeshError);
+    pyo3::import_exception!(fedic.errors, ImageError);
+    pyo3::import_exception!(fedic.errors, CameraError);
+    pyo3::import_exception!(fedic.errors, SolveError);
+    pyo3::import_exception!(fedic.errors, FedicError);
+}
+
+/// A Python exception made of a core error.
+pub(crate) trait IntoPyErr {
+    /// The exception.
+    fn into_py_err(self) -> PyErr;
+}
+
+impl IntoPyErr for MeshError {
+    fn into_py_err(self) -> PyErr {
+        let message = self.to_string();
+        let (cells, nodes) = match self {
+            Self::NonFinitePoint { node } => (vec![], vec![node]),
+            Self::NodeOutOfRange { cell, .. } => (vec![cell], vec![]),
+            Self::DegenerateCells { cells } => (cells, vec![]),
+            Self::Empty
+            | Self::UnknownCellType { .. }
+            | Self::WrongNodeCount { .. }
+            | Self::InvalidRectangle { .. }
+            | Self::TooLarge { .. } => (vec![], vec![]),
+        };
+        python::MeshError::new_err((message, cells, nodes))
+    }
+}
+
+impl IntoPyErr for ImageError {
+    fn into_py_err(self) -> PyErr {
+        image_error(self.to_string())
+    }
+}
+
+impl IntoPyErr for CameraError {
+    fn into_py_err(self) -> PyErr {
+        camera_error(self.to_string())
+    }
+}
+
+impl IntoPyErr for SolveError {
+    fn into_py_err(self) -> PyErr {
+        let message = self.to_string();
+        let nodes = match self {
+            Self::Singular { nodes, .. } | Self::Diverged { nodes, .. } => nodes,
+            Self::InvalidOption { .. } | Self::InvalidStart { .. } | Self::TooLarge { .. } => vec![],
+        };
+        python::SolveError::new_err((message, nodes))
+    }
+}
+
+impl IntoPyErr for Error {
+    fn into_py_err(self) -> PyErr {
+        let message = self.to_string();
+        match self {
+            Self::Mesh(error) => error.into_py_err(),
+            Self::Image(error) => error.into_py_err(),
+            Self::Camera(error) => error.into_py_err(),
+            Self::Solve(error) => error.into_py_err(),
+            Self::MeshOutsideImage { cells, .. } => python::MeshError::new_err((message, cells)),
+            Self::SizeMismatch { .. } | Self::Flat { .. } => image_error(message),
+            Self::Cancelled => PyKeyboardInterrupt::new_err(message),
+        }
+    }
+}
+
+/// A `MeshError` without cells or nodes.
+pub(crate) fn mesh_error(message: String) -> PyErr {
+    python::MeshError::new_err(message)
+}
+
+/// An `ImageError`.
+pub(crate) fn image_error(message: String) -> PyErr {
+    python::ImageError::new_err(message)
+}
+
+/// A `CameraError`.
+pub(crate) fn camera_error(message: String) -> PyErr {
+    python::CameraError::new_err(message)
+}
+
+/// A `SolveError` without nodes.
+pub(crate) fn solve_error(message: String) -> PyErr {
+    python::SolveError::new_err(message)
+}
+
+/// The base class: for faults of fedic itself.
+pub(crate) fn internal_error(message: String) -> PyErr {
+    python::FedicError::new_err(message)
+}

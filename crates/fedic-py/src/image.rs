@@ -1,0 +1,119 @@
+//! Grey levels borrowed from NumPy, and their interpolation at points.
+
+use std::str::FromStr;
+
+use fedic::{Gradient, ImageView, Interpolation, Pixels, Sampler};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::arrays::{describe, rows, to_array};
+use crate::errors::{IntoPyErr, image_error};
+use crate::worker::run;
+
+/// Points per parallel task.
+const CHUNK: usize = 4096;
+
+/// A borrowed 2-dimensional array of grey levels.
+pub(crate) enum GreyArray<'py> {
+    U8(PyReadonlyArray2<'py, u8>),
+    U16(PyReadonlyArray2<'py, u16>),
+    F32(PyReadonlyArray2<'py, f32>),
+}
+
+impl<'py> GreyArray<'py> {
+    /// Borrows `object`; `name` says in an error which image it is.
+    pub(crate) fn borrow(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
+        let contiguous = |is: bool| {
+            let message =
+                || format!("{name} must be contiguous in memory, row after row; pass numpy.ascontiguousarray(...)");
+            if is { Ok(()) } else { Err(image_error(message())) }
+        };
+        if let Ok(array) = object.cast::<PyArray2<u8>>() {
+            contiguous(array.is_c_contiguous())?;
+            Ok(Self::U8(array.try_readonly()?))
+        } else if let Ok(array) = object.cast::<PyArray2<u16>>() {
+            contiguous(array.is_c_contiguous())?;
+            Ok(Self::U16(array.try_readonly()?))
+        } else if let Ok(array) = object.cast::<PyArray2<f32>>() {
+            contiguous(array.is_c_contiguous())?;
+            Ok(Self::F32(array.try_readonly()?))
+        } else {
+            Err(image_error(format!(
+                "{name} must be a 2-dimensional array of dtype uint8, uint16 or float32, indexed [v, u], got {}",
+                describe(object)
+            )))
+        }
+    }
+
+    /// The core's view of the array.
+    pub(crate) fn view(&self, name: &str) -> PyResult<ImageView<'_>> {
+        let (shape, pixels) = match self {
+            Self::U8(array) => (array.shape(), array.as_slice().map(Pixels::U8)),
+            Self::U16(array) => (array.shape(), array.as_slice().map(Pixels::U16)),
+            Self::F32(array) => (array.shape(), array.as_slice().map(Pixels::F32)),
+        };
+        let pixels = pixels.map_err(|error| image_error(format!("{name}: {error}")))?;
+        ImageView::new(shape[1], shape[0], pixels).map_err(|error| image_error(format!("{name}: {error}")))
+    }
+}
+
+/// Grey levels and gradients of an image between its pixels, as a correlation reads them.
+///
+/// Parameters
+/// ----------
+/// image : (h, w) array of uint8, uint16 or float32
+/// pixels : (n, 2) array_like
+///     Image points ``(u, v)``.
+/// interpolation : {"bspline3", "bilinear", "bicubic", "bspline5"}
+/// prefilter : float
+///     Standard deviation in pixels of a Gaussian filter applied first.
+/// gradient : {"analytic", "finite-difference"}
+///
+/// Returns
+/// -------
+/// values : (n,) float32
+///     Grey levels; NaN outside the image.
+/// gradients : (n, 2) float32
+///     Derivatives along ``u`` and ``v``, in grey levels per pixel.
+///
+/// Raises
+/// ------
+/// ImageError
+///     If the image or an option cannot be used.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+#[pyo3(signature = (image, pixels, interpolation="bspline3", prefilter=0.0, gradient="analytic"))]
+pub(crate) fn interpolate_image<'py>(
+    py: Python<'py>,
+    image: &Bound<'py, PyAny>,
+    pixels: &Bound<'py, PyAny>,
+    interpolation: &str,
+    prefilter: f64,
+    gradient: &str,
+) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<f32>>)> {
+    let grey = GreyArray::borrow(image, "image")?;
+    let view = grey.view("image")?;
+    let pixels = rows::<2>(pixels, "pixels", image_error)?;
+    let interpolation = Interpolation::from_str(interpolation).map_err(IntoPyErr::into_py_err)?;
+    let gradient = Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?;
+    let (values, gradients) = run(py, None, move |_| {
+        let sampler = Sampler::new(view, interpolation, gradient, prefilter)?;
+        let (u, v): (Vec<f64>, Vec<f64>) = pixels.iter().map(|p| (p[0], p[1])).unzip();
+        let mut values = vec![0.0; u.len()];
+        let mut along = [vec![0.0; u.len()], vec![0.0; u.len()]];
+        let [along_u, along_v] = &mut along;
+        (
+            u.par_chunks(CHUNK),
+            v.par_chunks(CHUNK),
+            values.par_chunks_mut(CHUNK),
+            along_u.par_chunks_mut(CHUNK),
+            along_v.par_chunks_mut(CHUNK),
+        )
+            .into_par_iter()
+            .for_each(|(u, v, value, du, dv)| sampler.values_and_gradients(u, v, value, [du, dv]));
+        let [along_u, along_v] = along;
+        Ok((values, along_u.into_iter().zip(along_v).map(|(du, dv)| [du, dv]).collect::<Vec<_>>()))
+    })?;
+    Ok((PyArray1::from_vec(py, values), to_array(py, &gradients)?))
+}
