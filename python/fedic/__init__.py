@@ -1,1 +1,48 @@
+"""Finite-element digital image correlation written in the physical space.
 
+Two images of a speckled specimen, a finite element mesh and a calibrated camera in; the displacement of the nodes, in
+the mesh's own unit, out:
+
+>>> import fedic
+>>> mesh = fedic.rectangle_mesh((100, 100, 400, 300), size=20)
+>>> result = fedic.correlate(reference, deformed, mesh)  # doctest: +SKIP
+
+Conventions: an image point is ``(u, v)``, ``u`` the column to the right and ``v`` the row downwards, with the centre of
+the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are positive in tension.
+"""
+
+from fedic import synthetic
+from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Mesh, Pinhole, __version__, rectangle_mesh
+from fedic.correlation import Correlator, correlate
+from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
+from fedic.gmsh_meshing import unstructured_mesh
+from fedic.images import read_image
+from fedic.meshes import read_mesh
+from fedic.quadrature import MeshQuadrature, PixelQuadrature
+from fedic.result import Iteration, Result
+
+__all__ = [
+    "BrownDistortion",
+    "CameraError",
+    "ConfigError",
+    "Correlator",
+    "FedicError",
+    "FrontParallel",
+    "ImageError",
+    "ImageFrame",
+    "Iteration",
+    "Mesh",
+    "MeshError",
+    "MeshQuadrature",
+    "Pinhole",
+    "PixelQuadrature",
+    "Result",
+    "SolveError",
+    "__version__",
+    "correlate",
+    "read_image",
+    "read_mesh",
+    "rectangle_mesh",
+    "synthetic",
+    "unstructured_mesh",
+]

@@ -117,6 +117,7 @@ class Correlator:
         tolerance: float = 1e-3,
         max_iterations: int = 50,
         num_threads: int | None = None,
+        progress: Callable[[str, int, int, float, float], Any] | None = None,
     ) -> Correlator: ...
     @property
     def num_points(self) -> int: ...
@@ -129,7 +130,7 @@ class Correlator:
         pyramid: bool = False,
         progress: Callable[[str, int, int, float, float], Any] | None = None,
     ) -> Solution: ...
-    def residual_map(self, deformed: _Image, displacement: ArrayLike) -> NDArray[np.float32]: ...
+    def residual_map(self, reference: _Image, deformed: _Image, displacement: ArrayLike) -> NDArray[np.float32]: ...
 
 @final
 class Solution:

@@ -13,6 +13,9 @@ use crate::image::GreyArray;
 use crate::mesh::Mesh;
 use crate::worker::run;
 
+const REFERENCE: &str = "the reference image";
+const DEFORMED: &str = "the deformed image";
+
 /// A reference image prepared on a mesh; see `fedic.Correlator`.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Correlator {
@@ -68,8 +71,8 @@ impl Correlator {
             max_iterations,
             num_threads,
         };
-        let grey = GreyArray::borrow(reference, "the reference image")?;
-        let view = grey.view("the reference image")?;
+        let grey = GreyArray::borrow(reference, REFERENCE)?;
+        let view = grey.view(REFERENCE)?;
         let size = [view.width(), view.height()];
         let inner =
             run(py, progress, move |monitor| fedic::Correlator::new(view, &mesh.inner, camera, options, monitor))?;
@@ -92,8 +95,8 @@ impl Correlator {
         pyramid: bool,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
-        let grey = GreyArray::borrow(deformed, "the deformed image")?;
-        let view = grey.view("the deformed image")?;
+        let grey = GreyArray::borrow(deformed, DEFORMED)?;
+        let view = grey.view(DEFORMED)?;
         let field = initial.map(|field| rows::<2>(field, "initial", solve_error)).transpose()?;
         run(py, progress, move |monitor| {
             let start = match &field {
@@ -109,13 +112,14 @@ impl Correlator {
     fn residual_map<'py>(
         &self,
         py: Python<'py>,
+        reference: &Bound<'py, PyAny>,
         deformed: &Bound<'py, PyAny>,
         displacement: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let grey = GreyArray::borrow(deformed, "the deformed image")?;
-        let view = grey.view("the deformed image")?;
+        let (f, g) = (GreyArray::borrow(reference, REFERENCE)?, GreyArray::borrow(deformed, DEFORMED)?);
+        let (f, g) = (f.view(REFERENCE)?, g.view(DEFORMED)?);
         let field = rows::<2>(displacement, "displacement", solve_error)?;
-        let map = run(py, None, |monitor| self.inner.residual_map(view, &field, monitor))?;
+        let map = run(py, None, |monitor| self.inner.residual_map(f, g, &field, monitor))?;
         let [width, height] = self.size;
         PyArray::from_vec(py, map).reshape([height, width])
     }

@@ -117,23 +117,26 @@ impl Correlator {
         self.in_pool(|| self.solve(deformed, start, monitor))
     }
 
-    /// Residual `f - g~`, in grey levels, at the pixels of the reference image: the mean over the quadrature points in
-    /// each pixel, row after row, NaN in pixels without any.
+    /// Residual `f - g~`, in grey levels, at the pixels of the reference image, row after row; NaN at pixels whose centre
+    /// lies outside the mesh or leaves the deformed image. `reference` is the image this correlator was made of.
     ///
     /// # Errors
     ///
     /// Those of [`correlate`](Self::correlate).
     pub fn residual_map(
         &self,
+        reference: ImageView<'_>,
         deformed: ImageView<'_>,
         displacement: &[[f64; COMPONENTS]],
         monitor: &dyn Monitor,
     ) -> Result<Vec<f32>, Error> {
+        self.check_size(reference)?;
         self.check_size(deformed)?;
         self.in_pool(|| {
             let displacement = self.system.restrict(displacement)?;
-            let interpolator = value_interpolator(deformed, self.options.interpolation, self.options.prefilter)?;
-            residual_map::residual_map(&self.evaluator(&interpolator), &displacement, self.size, monitor)
+            let interpolator = |view| value_interpolator(view, self.options.interpolation, self.options.prefilter);
+            let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
+            residual_map::residual_map(&self.evaluator(&deformed), &reference, &displacement, monitor)
         })
     }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fedic_camera::Camera;
-use fedic_mesh::{CellType, jacobian};
+use fedic_mesh::{CellType, Mesh, jacobian};
 use fedic_sparse::{Factor, SymmetricMatrix};
 
 use crate::batch::{BATCH, Batch};
@@ -57,6 +57,14 @@ impl Level {
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         let mesh = &system.mesh;
+        let [width, height] = settings.size;
+        let refuse = |cells| Error::MeshOutsideImage { cells, num_cells: mesh.num_cells(), width, height };
+        if settings.whole_mesh {
+            let cells = cells_outside(mesh, camera.as_ref(), settings.size);
+            if !cells.is_empty() {
+                return Err(refuse(cells));
+            }
+        }
         let quadrature = CellQuadrature::new(mesh, camera.as_ref(), settings.quadrature)?;
         let mut points = Vec::with_capacity(quadrature.num_points());
         let mut hessian = SymmetricMatrix::zeros(&system.pattern);
@@ -78,8 +86,7 @@ impl Level {
             },
         )?;
         if settings.whole_mesh && !outside.is_empty() {
-            let [width, height] = settings.size;
-            return Err(Error::MeshOutsideImage { cells: outside, num_cells: mesh.num_cells(), width, height });
+            return Err(refuse(outside));
         }
         let std = moments.std_f();
         if quadrature.num_points() > 0 && (std.is_nan() || std <= FLAT) {
@@ -103,6 +110,16 @@ impl Level {
     pub(crate) fn num_points(&self) -> usize {
         self.points.len()
     }
+}
+
+/// Cells with a node outside the image: looked for first, for a camera in the wrong unit would ask for more quadrature
+/// points than there is memory.
+fn cells_outside(mesh: &Mesh, camera: &dyn Camera, size: [usize; 2]) -> Vec<usize> {
+    let inside = |&point: &[f64; 3]| {
+        camera.project(point).iter().zip(size).all(|(&c, size)| c >= -0.5 && c <= size as f64 - 0.5)
+    };
+    let inside: Vec<bool> = mesh.points().iter().map(inside).collect();
+    (0..mesh.num_cells()).filter(|&cell| mesh.cell(cell).nodes.iter().any(|&node| !inside[node as usize])).collect()
 }
 
 struct CellReading {

@@ -104,21 +104,9 @@ impl Evaluator<'_> {
     }
 
     /// Reads the deformed image at the points `first..first + len` of a cell; the batch then holds their grey levels.
-    pub(crate) fn read_batch(
-        &self,
-        batch: &mut Batch,
-        cell: usize,
-        first: usize,
-        len: usize,
-        nodes: &[[f64; 3]],
-        with_jacobian: bool,
-    ) {
+    fn read_batch(&self, batch: &mut Batch, cell: usize, first: usize, len: usize, nodes: &[[f64; 3]]) {
         batch.take(&self.level.quadrature, cell, self.system.mesh.cell(cell).cell_type, first, len);
-        if with_jacobian {
-            batch.project_with_jacobian(self.level.camera.as_ref(), nodes);
-        } else {
-            batch.project(self.level.camera.as_ref(), nodes);
-        }
+        batch.project_with_jacobian(self.level.camera.as_ref(), nodes);
         let [u, v] = &batch.pixel;
         self.deformed.values(&u[..len], &v[..len], &mut batch.grey[..len]);
     }
@@ -142,7 +130,7 @@ impl Evaluator<'_> {
         let mut signals = [[0.0; BATCH]; SIGNALS];
         for first in (0..points.len()).step_by(BATCH) {
             let len = BATCH.min(points.len() - first);
-            self.read_batch(batch, cell, first, len, &nodes[..num_nodes], true);
+            self.read_batch(batch, cell, first, len, &nodes[..num_nodes]);
             for (k, point) in points[first..first + len].iter().enumerate() {
                 let seen = !batch.grey[k].is_nan();
                 result.outside |= !seen;

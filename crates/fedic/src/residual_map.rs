@@ -1,61 +1,65 @@
 //! The residual as an image.
 
+use fedic_image::Interpolator;
+
 use crate::batch::BATCH;
 use crate::brightness::Moments;
 use crate::cell_loop::for_each_cell;
+use crate::cell_quadrature::CellQuadrature;
 use crate::residual::Evaluator;
-use crate::{Brightness, COMPONENTS, Error, Monitor};
+use crate::{Brightness, COMPONENTS, Error, Monitor, Quadrature};
 
-/// Mean residual of the quadrature points in each pixel of the reference image; NaN where there is none.
+/// Residual `f - g~` at each pixel of the reference image whose centre lies in the mesh; NaN at the others.
 pub(crate) fn residual_map(
     evaluator: &Evaluator<'_>,
+    reference: &Interpolator,
     displacement: &[[f64; COMPONENTS]],
-    [width, height]: [usize; 2],
     monitor: &dyn Monitor,
 ) -> Result<Vec<f32>, Error> {
+    let (system, camera) = (evaluator.system, evaluator.level.camera.as_ref());
     let over_mesh = evaluator.evaluate(displacement, false, monitor)?.correction;
-    let mut map = vec![0.0_f32; width * height];
-    let mut counts = vec![0_u32; width * height];
+    let pixels = CellQuadrature::new(&system.mesh, camera, Quadrature::Pixel)?;
+    let (width, height) = (reference.width(), reference.height());
+    let mut map = vec![f32::NAN; width * height];
     for_each_cell(
-        evaluator.system.mesh.num_cells(),
+        system.mesh.num_cells(),
         monitor,
         |batch, cell| {
-            let points = evaluator.level.cell_points(cell);
-            let (nodes, n) = evaluator.system.displaced(cell, displacement);
-            let reference_nodes = evaluator.system.mesh.cell_points(cell);
-            let mut readings = Vec::with_capacity(points.len());
-            let mut moments = Moments::default();
-            for first in (0..points.len()).step_by(BATCH) {
-                let len = BATCH.min(points.len() - first);
-                evaluator.read_batch(batch, cell, first, len, &nodes[..n], false);
-                batch.project(evaluator.level.camera.as_ref(), &reference_nodes);
-                for (k, point) in
-                    points[first..first + len].iter().enumerate().filter(|&(k, _)| !batch.grey[k].is_nan())
-                {
-                    let g = f64::from(batch.grey[k]);
-                    moments.add_point(f64::from(point.weight), f64::from(point.value), g);
-                    readings.push(([batch.pixel[0][k], batch.pixel[1][k]], f64::from(point.value), g));
-                }
+            let cell_type = system.mesh.cell(cell).cell_type;
+            let rest = system.mesh.cell_points(cell);
+            let (displaced, num_nodes) = system.displaced(cell, displacement);
+            let count = pixels.range(cell).len();
+            let mut readings = Vec::with_capacity(count);
+            let mut f = [0.0; BATCH];
+            for first in (0..count).step_by(BATCH) {
+                let len = BATCH.min(count - first);
+                batch.take(&pixels, cell, cell_type, first, len);
+                batch.project(camera, &rest);
+                reference.values(&batch.pixel[0][..len], &batch.pixel[1][..len], &mut f[..len]);
+                let places = batch.pixel.map(|lane| lane.map(|c| c.round().max(0.0) as usize));
+                batch.project(camera, &displaced[..num_nodes]);
+                let ([u, v], grey) = (&batch.pixel, &mut batch.grey);
+                evaluator.deformed.values(&u[..len], &v[..len], &mut grey[..len]);
+                readings.extend((0..len).map(|k| ([places[0][k], places[1][k]], f64::from(f[k]), f64::from(grey[k]))));
             }
             let correction = match evaluator.brightness {
-                Brightness::Element => moments.correction(),
+                Brightness::Element => {
+                    let mut moments = Moments::default();
+                    readings.iter().filter(|(_, _, g)| !g.is_nan()).for_each(|&(_, f, g)| moments.add_point(1.0, f, g));
+                    moments.correction()
+                }
                 Brightness::None | Brightness::Global => over_mesh,
             };
-            let residual =
-                |(pixel, f, g): ([f64; 2], f64, f64)| (pixel, (f - correction.gain * g - correction.offset) as f32);
+            let residual = |(place, f, g)| (place, (f - correction.gain * g - correction.offset) as f32);
             readings.into_iter().map(residual).collect::<Vec<_>>()
         },
         |_, readings| {
-            for ([u, v], residual) in readings {
-                let (column, row) = (u.round().max(0.0) as usize, v.round().max(0.0) as usize);
-                let pixel = row.min(height - 1) * width + column.min(width - 1);
-                map[pixel] += residual;
-                counts[pixel] += 1;
+            for ([column, row], residual) in readings {
+                if column < width && row < height {
+                    map[row * width + column] = residual;
+                }
             }
         },
     )?;
-    for (residual, count) in map.iter_mut().zip(counts) {
-        *residual = if count == 0 { f32::NAN } else { *residual / count as f32 };
-    }
     Ok(map)
 }

@@ -1,0 +1,21 @@
+"""Types that several modules share."""
+
+import os
+from collections.abc import Callable
+from typing import Any, Literal, TypeAlias, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._core import FrontParallel, ImageFrame, Pinhole
+
+__all__ = ["CELL_NAMES", "Camera", "CellName", "Floats", "Image", "Progress", "StrPath"]
+
+Camera: TypeAlias = ImageFrame | FrontParallel | Pinhole
+CellName: TypeAlias = Literal["triangle", "triangle6", "quad", "quad8", "quad9"]
+CELL_NAMES: tuple[str, ...] = get_args(CellName)
+Floats: TypeAlias = NDArray[np.float64]
+Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
+Progress: TypeAlias = Callable[[str, int, int, float, float], Any]
+"""Called with the stage, pyramid level, iteration, largest correction (px) and residual deviation (grey levels)."""
+StrPath: TypeAlias = str | os.PathLike[str]

@@ -1,0 +1,113 @@
+"""The command line: ``fedic run`` and ``fedic demo``."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fedic._core import __version__
+from fedic.errors import FedicError
+from fedic.progress import TerminalProgress
+
+if TYPE_CHECKING:
+    from fedic.demo import Demo
+    from fedic.run import Frame
+
+__all__ = ["app"]
+
+_EXIT_FAULT = 2
+_EXIT_INTERRUPTED = 130
+
+app = typer.Typer(
+    help="Finite-element digital image correlation written in the physical space.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+
+
+@contextmanager
+def _faults_reported() -> Iterator[None]:
+    try:
+        yield
+    except FedicError as error:
+        typer.echo(f"fedic: {error}", err=True)
+        raise typer.Exit(_EXIT_FAULT) from None
+    except KeyboardInterrupt:
+        typer.echo("fedic: interrupted", err=True)
+        raise typer.Exit(_EXIT_INTERRUPTED) from None
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"fedic {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None: ...
+
+
+@app.command("run")
+def run_command(
+    config: Annotated[Path, typer.Argument(metavar="CONFIG.toml", help="What to measure; see examples/openhole.toml.")],
+) -> None:
+    """Measure a series of images as a configuration file says."""
+    with _faults_reported():
+        from fedic.config import load_config
+        from fedic.run import run
+
+        settings = load_config(config)
+        with TerminalProgress(config.name) as progress:
+            folder = run(settings, progress=progress.iteration, on_frame=_print_frame)
+        typer.echo(f"Results in {folder}")
+
+
+@app.command("demo")
+def demo_command(
+    output: Annotated[Path, typer.Option("--output", help="Folder of the results.")] = Path("fedic-demo"),
+) -> None:
+    """Measure a large shift through a distorting lens, with and without its model."""
+    with _faults_reported():
+        from fedic.demo import measure, write_demo
+        from fedic.files import make_folder
+
+        make_folder(output)
+        with TerminalProgress("demo") as progress:
+            demo = measure(progress=progress.iteration, on_render=progress.fraction)
+        write_demo(demo, output)
+        _print_demo(demo)
+        typer.echo(f"Images, results and error-maps.png in {output}")
+
+
+def _print_frame(frame: "Frame") -> None:
+    outcome = frame.outcome
+    if frame.error is not None:
+        typer.echo(f"{frame.image.name}: failed: {frame.error}", err=True)
+        return
+    state = "converged" if outcome["converged"] else "NOT CONVERGED"
+    outside = f", {len(outcome['outside_cells'])} cells partly out of the image" if outcome["outside_cells"] else ""
+    typer.echo(
+        f"{frame.image.name}: {state} in {outcome['iterations']} iterations, residual {outcome['residual_std']:.3g} "
+        f"grey levels{outside} ({frame.seconds:.1f} s)"
+    )
+
+
+def _print_demo(demo: "Demo") -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title="Error of the measured displacement, in pixels")
+    table.add_column("", no_wrap=True)
+    for heading in ("bias u", "bias v", "std u", "std v", "seconds"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for case in (demo.with_lens, demo.without_lens):
+        errors = [f"{value:+.5f}" for value in case.bias] + [f"{value:.5f}" for value in case.std]
+        table.add_row(case.name, *errors, f"{case.seconds:.2f}")
+    Console().print(table)

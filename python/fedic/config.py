@@ -1,0 +1,353 @@
+"""The TOML file of ``fedic run``: its keys, their checks, and messages that name the key at fault."""
+
+import difflib
+import glob
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+import numpy as np
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic_core import ErrorDetails
+
+from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Mesh, Pinhole, rectangle_mesh
+from fedic._types import Camera, CellName
+from fedic.errors import ConfigError, ImageError, MeshError
+from fedic.gmsh_meshing import unstructured_mesh
+from fedic.meshes import read_mesh
+from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+__all__ = ["Config", "load_config"]
+
+
+def _in_folder(path: Path, info: ValidationInfo) -> Path:
+    return Path((info.context or {}).get("folder", "."), path)
+
+
+def _expanded(value: object, info: ValidationInfo) -> object:
+    """Make one list of file names out of a name, a pattern, or a list of them."""
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ValueError("should be a file name, a pattern such as 'frame-*.tif', or a list of them")
+    folder = _in_folder(Path(), info)
+    files: list[str] = []
+    for name in names:
+        if not glob.has_magic(name) or _in_folder(Path(name), info).exists():
+            files.append(name)
+            continue
+        matches = sorted(glob.glob(name, root_dir=folder))  # noqa: PTH207 - the pattern may be absolute
+        if not matches:
+            raise ValueError(f"should match some file: {name!r} matches none in {folder}")
+        files += matches
+    return files
+
+
+def _rotation(value: object) -> object:
+    try:
+        shape = np.asarray(value, dtype=np.float64).shape
+    except (TypeError, ValueError):
+        shape = ()
+    if shape not in ((3,), (3, 3)):
+        raise ValueError("should be a rotation vector of 3 numbers (radians) or a matrix of 3 rows of 3 numbers")
+    return value
+
+
+Real: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
+NotNegative: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
+Count: TypeAlias = Annotated[int, Field(strict=True, ge=1)]
+InFolder: TypeAlias = Annotated[Path, AfterValidator(_in_folder)]
+Polygon: TypeAlias = Annotated[list[tuple[Real, Real]], Field(min_length=3)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ImagesSection(_Section):
+    """``[images]``: the files."""
+
+    reference: InFolder
+    deformed: Annotated[list[InFolder], BeforeValidator(_expanded), Field(min_length=1)]
+
+
+class RectangleSection(_Section):
+    """``[mesh.rectangle]``: a regular mesh."""
+
+    bounds: tuple[Real, Real, Real, Real]
+    size: Positive = 20.0
+    cell: CellName = "quad"
+
+
+class UnstructuredSection(_Section):
+    """``[mesh.unstructured]``: a polygon with holes, meshed by Gmsh."""
+
+    outline: Polygon
+    holes: list[Polygon] = []
+    size: Positive = 20.0
+    cell: CellName = "triangle"
+
+
+class MeshSection(_Section):
+    """``[mesh]``: a file, or one of the two generators."""
+
+    file: InFolder | None = None
+    rectangle: RectangleSection | None = None
+    unstructured: UnstructuredSection | None = None
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "MeshSection":
+        if len(self.model_fields_set) != 1:
+            raise ValueError("should hold exactly one of mesh.file, [mesh.rectangle] and [mesh.unstructured]")
+        return self
+
+    def build(self) -> Mesh:
+        """Read or make the mesh."""
+        if self.file is not None:
+            return read_mesh(self.file)
+        if self.rectangle is not None:
+            return rectangle_mesh(self.rectangle.bounds, size=self.rectangle.size, cell=self.rectangle.cell)
+        assert self.unstructured is not None
+        plan = self.unstructured
+        return unstructured_mesh(plan.outline, size=plan.size, cell=plan.cell, holes=plan.holes)
+
+
+class ImageFrameSection(_Section):
+    """``[camera]`` for a mesh drawn in pixels."""
+
+    model: Literal["image-frame"]
+
+    def build(self) -> Camera:
+        """Make the camera."""
+        return ImageFrame()
+
+
+class FrontParallelSection(_Section):
+    """``[camera]`` for a plane parallel to the sensor."""
+
+    model: Literal["front-parallel"]
+    scale: Positive
+    origin: tuple[Real, Real] = (0.0, 0.0)
+
+    def build(self) -> Camera:
+        """Make the camera."""
+        return FrontParallel(self.scale, self.origin)
+
+
+class DistortionSection(_Section):
+    """``[camera.distortion]``: the Brown-Conrady lens."""
+
+    radial: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
+    decentering: tuple[Real, Real] = (0.0, 0.0)
+    prism: tuple[Real, Real] = (0.0, 0.0)
+
+
+class PinholeSection(_Section):
+    """``[camera]`` for a calibrated camera."""
+
+    model: Literal["pinhole"]
+    focal: tuple[Positive, Positive]
+    principal_point: tuple[Real, Real]
+    rotation: Annotated[list[Any], BeforeValidator(_rotation)] = [0.0, 0.0, 0.0]
+    translation: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
+    skew_angle: Positive = np.pi / 2
+    distortion: DistortionSection | None = None
+
+    def build(self) -> Camera:
+        """Make the camera."""
+        lens = self.distortion
+        return Pinhole(
+            self.focal,
+            self.principal_point,
+            rotation=self.rotation,
+            translation=self.translation,
+            skew_angle=self.skew_angle,
+            distortion=None if lens is None else BrownDistortion(lens.radial, lens.decentering, lens.prism),
+        )
+
+
+class CorrelationSection(_Section):
+    """``[correlation]``: the options of `fedic.correlate`."""
+
+    quadrature: Literal["edges", "diameter", "pixel"] = "edges"
+    density: Positive = 1.0
+    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline3"
+    gradient: Literal["analytic", "finite-difference"] = "analytic"
+    prefilter: NotNegative = 0.0
+    brightness: Literal["global", "element", "none"] = "global"
+    hessian: Literal["initial", "updated"] = "initial"
+    initial: Literal["none", "pyramid", "fft"] = "none"
+    regularization: Positive | None = None
+    tolerance: Positive = 1e-3
+    max_iterations: Count = 50
+    num_threads: Count | None = None
+
+    def options(self) -> dict[str, Any]:
+        """Return the keyword arguments of `fedic.Correlator`."""
+        options = self.model_dump(exclude={"quadrature", "density"})
+        options["quadrature"] = self._quadrature()
+        options["brightness"] = None if self.brightness == "none" else self.brightness
+        options["initial"] = None if self.initial == "none" else self.initial
+        return options
+
+    def _quadrature(self) -> Quadrature:
+        if self.quadrature == "pixel":
+            return PixelQuadrature()
+        return MeshQuadrature(density=self.density, rule=self.quadrature)
+
+
+class OutputSection(_Section):
+    """``[output]``: where the results go."""
+
+    folder: InFolder
+    pictures: Annotated[bool, Field(strict=True)] = True
+
+
+CameraSection: TypeAlias = Annotated[
+    ImageFrameSection | FrontParallelSection | PinholeSection, Field(discriminator="model")
+]
+
+
+class Config(_Section):
+    """The whole file."""
+
+    images: ImagesSection
+    mesh: MeshSection
+    camera: CameraSection = ImageFrameSection(model="image-frame")
+    correlation: CorrelationSection = CorrelationSection()
+    output: OutputSection
+
+
+_SECTIONS: dict[str, type[_Section]] = {
+    "": Config,
+    "images": ImagesSection,
+    "mesh": MeshSection,
+    "mesh.rectangle": RectangleSection,
+    "mesh.unstructured": UnstructuredSection,
+    "camera.image-frame": ImageFrameSection,
+    "camera.front-parallel": FrontParallelSection,
+    "camera.pinhole": PinholeSection,
+    "camera.pinhole.distortion": DistortionSection,
+    "correlation": CorrelationSection,
+    "output": OutputSection,
+}
+_CAMERA_MODELS = ("image-frame", "front-parallel", "pinhole")
+
+
+def load_config(path: Path) -> Config:
+    """Read and check the configuration of a run; every file it names must exist.
+
+    Parameters
+    ----------
+    path : Path
+        The TOML file. The paths in it are relative to its folder.
+
+    Returns
+    -------
+    Config
+        With absolute or current-folder-relative paths.
+
+    Raises
+    ------
+    ConfigError
+        If the file is missing, is not TOML, or has an unknown, missing or wrong key.
+    ImageError, MeshError
+        If an image or mesh it names does not exist.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: there is no such configuration file; check the path.") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: the configuration file cannot be read ({error.strerror}).") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: the configuration file is not UTF-8 text.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: not a valid TOML file: {error}.") from error
+    try:
+        config = Config.model_validate(content, context={"folder": path.parent})
+    except ValidationError as error:
+        raise _config_error(path, error) from error
+    _check_files(path, config)
+    return config
+
+
+def _check_files(path: Path, config: Config) -> None:
+    for key, image in (("reference", config.images.reference), *(("deformed", d) for d in config.images.deformed)):
+        if not image.is_file():
+            raise ImageError(f"{path}: images.{key} names {image}, which does not exist.")
+    mesh = config.mesh.file
+    if mesh is not None and not mesh.is_file():
+        raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
+    stems = [image.stem for image in config.images.deformed]
+    twice = next((stem for stem in stems if stems.count(stem) > 1), None)
+    if twice is not None:
+        raise ConfigError(
+            f"{path}: images.deformed names two images called {twice!r}; their results would overwrite each other.",
+            "images.deformed",
+        )
+
+
+def _config_error(path: Path, error: ValidationError) -> ConfigError:
+    details = error.errors(include_url=False)
+    details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key is why another is missing
+    faults = [_fault(detail) for detail in details]
+    return ConfigError(f"{path}: " + "\n".join(f"{key} {what}" for key, what in faults), faults[0][0])
+
+
+def _fault(details: ErrorDetails) -> tuple[str, str]:
+    """Return the dotted key at fault and what is wrong with it."""
+    location = details["loc"]
+    key = _dotted(location)
+    kind = details["type"]
+    if kind == "extra_forbidden":
+        return key, f"is not a known key; {_suggestion(location)}"
+    if kind == "missing":
+        return key, "is missing."
+    if kind == "union_tag_not_found":
+        return f"{key}.model", f"is missing; choose one of {', '.join(_CAMERA_MODELS)}."
+    if kind == "union_tag_invalid":
+        given = details["input"]["model"]
+        return f"{key}.model", f"= {given!r} is unknown; choose one of {', '.join(_CAMERA_MODELS)}."
+    if kind == "path_type":
+        return key, f"= {_short(details['input'])} should be the name of a file or folder."
+    expected = details["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    if isinstance(details["input"], dict):
+        return key, f"{expected}."
+    return key, f"= {_short(details['input'])} {expected}."
+
+
+def _dotted(location: tuple[int | str, ...]) -> str:
+    """Write a location as in the file: without the tag pydantic inserts, indices in brackets."""
+    parts = [part for index, part in enumerate(location) if not (index == 1 and _is_camera_tag(location))]
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).removeprefix(".")
+
+
+def _is_camera_tag(location: tuple[int | str, ...]) -> bool:
+    return len(location) > 1 and location[0] == "camera" and location[1] in _CAMERA_MODELS
+
+
+def _suggestion(location: tuple[int | str, ...]) -> str:
+    *section, name = (str(part) for part in location)
+    known = list(_SECTIONS[".".join(section)].model_fields)
+    nearest = difflib.get_close_matches(name, known, n=1)
+    return f'did you mean "{nearest[0]}"?' if nearest else f"the keys here are {', '.join(known)}."
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,276 @@
+"""The measurement: from two images, a mesh and a camera to a displacement field."""
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fedic import _core
+from fedic._core import ImageFrame, Mesh
+from fedic._types import Camera, Floats, Image, Progress
+from fedic.errors import SolveError
+from fedic.fft_start import uniform_start
+from fedic.images import as_image, as_pair
+from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
+from fedic.result import Iteration, Result
+
+__all__ = ["Correlator", "correlate"]
+
+Initial: TypeAlias = Literal["pyramid", "fft"] | ArrayLike | None
+Interpolation: TypeAlias = Literal["bilinear", "bicubic", "bspline3", "bspline5"]
+
+
+class Correlator:
+    """A reference image, a mesh and a camera prepared once, to measure many deformed images.
+
+    Parameters
+    ----------
+    reference : ndarray of uint8, uint16 or float32, shape (height, width)
+        The image of the specimen at rest.
+    mesh : Mesh
+        The mesh, in the physical space.
+    camera : ImageFrame, FrontParallel or Pinhole
+        Projects the mesh to the image. `ImageFrame` is for a mesh drawn in pixels.
+    quadrature : MeshQuadrature or PixelQuadrature
+        Where the integral over the mesh is sampled.
+    interpolation : {"bilinear", "bicubic", "bspline3", "bspline5"}
+        How both images are interpolated between pixels.
+    gradient : {"analytic", "finite-difference"}
+        Gradient of the reference image: of the interpolant, or of central differences at the pixels.
+    prefilter : float
+        Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none.
+    brightness : {"global", "element"} or None
+        Where the mean and the contrast of the deformed image are brought to those of the reference image.
+    hessian : {"initial", "updated"}
+        Whether the correlation matrix is kept or rebuilt at each iteration.
+    initial : None, "pyramid", "fft" or array_like of shape (n, 2)
+        The start: zero; coarse-to-fine images; one whole-pixel motion found over the whole image, for large motions;
+        or given nodal displacements in the mesh's unit.
+    regularization : float or None
+        Wavelength, in pixels of the reference image, below which the field is smoothed; None for no smoothing.
+    tolerance : float
+        Stop when the largest nodal correction is below this, in pixels.
+    max_iterations : int
+        Largest number of iterations.
+    num_threads : int or None
+        Number of threads; None for all the processors. The result does not depend on it.
+    progress : callable, optional
+        Called once the reference is prepared, with the arguments of the ``progress`` of `correlate`.
+
+    Raises
+    ------
+    ImageError
+        If the reference is no image fedic can use.
+    MeshError
+        If the mesh has inverted cells or does not project in the image.
+    SolveError
+        If an option is out of its range.
+    """
+
+    def __init__(
+        self,
+        reference: Image,
+        mesh: Mesh,
+        camera: Camera = ImageFrame(),
+        *,
+        quadrature: Quadrature = MeshQuadrature(),
+        interpolation: Interpolation = "bspline3",
+        gradient: Literal["analytic", "finite-difference"] = "analytic",
+        prefilter: float = 0.0,
+        brightness: Literal["global", "element"] | None = "global",
+        hessian: Literal["initial", "updated"] = "initial",
+        initial: Initial = None,
+        regularization: float | None = None,
+        tolerance: float = 1e-3,
+        max_iterations: int = 50,
+        num_threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self._reference = as_image(reference, "reference")
+        self._mesh = mesh
+        self._camera = camera
+        self._initial = _checked_initial(initial, mesh)
+        rule, density = _rule(quadrature)
+        self._core = _core.Correlator(
+            self._reference,
+            mesh,
+            camera,
+            rule=rule,
+            density=density,
+            interpolation=interpolation,
+            gradient=gradient,
+            prefilter=prefilter,
+            brightness=brightness,
+            hessian=hessian,
+            regularization=regularization,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            num_threads=num_threads,
+            progress=progress,
+        )
+
+    @property
+    def num_points(self) -> int:
+        """Number of quadrature points."""
+        return self._core.num_points
+
+    def correlate(self, deformed: Image, initial: Initial = None, progress: Progress | None = None) -> Result:
+        """Measure the displacement between the reference and one deformed image.
+
+        Parameters
+        ----------
+        deformed : ndarray of uint8, uint16 or float32, shape (height, width)
+            The image of the deformed specimen.
+        initial : None, "pyramid", "fft" or array_like of shape (n, 2)
+            The start of this frame; None takes the one given to the constructor.
+        progress : callable, optional
+            Called with (stage, pyramid level, iteration, largest correction in px, residual standard deviation).
+
+        Returns
+        -------
+        Result
+            The displacement and how it was reached. A measurement that did not converge has ``converged`` False.
+
+        Raises
+        ------
+        ImageError
+            If the deformed image cannot be used or is not of the size of the reference.
+        SolveError
+            If the images do not determine the displacement of some node, or the iterations diverge.
+        """
+        deformed = as_pair(self._reference, deformed)
+        start = self._initial if initial is None else _checked_initial(initial, self._mesh)
+        if isinstance(start, str) and start == "fft":
+            start = uniform_start(self._reference, deformed, self._mesh, self._camera)
+        solution = self._core.correlate(
+            deformed,
+            initial=start if isinstance(start, np.ndarray) else None,
+            pyramid=isinstance(start, str),
+            progress=progress,
+        )
+        return Result(
+            mesh=self._mesh,
+            camera=self._camera,
+            displacement=solution.displacement,
+            pixel_displacement=solution.pixel_displacement,
+            converged=solution.converged,
+            iterations=solution.iterations,
+            history=[Iteration(*entry) for entry in solution.history],
+            num_points=solution.num_points,
+            residual_std=solution.residual_std,
+            cell_residuals=solution.cell_residuals,
+            outside_cells=solution.outside_cells,
+        )
+
+    def residual_map(self, deformed: Image, displacement: ArrayLike) -> NDArray[np.float32]:
+        """Map the grey-level residual over the reference image.
+
+        Parameters
+        ----------
+        deformed : ndarray, shape (height, width)
+            The image of the deformed specimen.
+        displacement : array_like, shape (n, 2)
+            Nodal displacements in the mesh's unit.
+
+        Returns
+        -------
+        ndarray of float32, shape (height, width)
+            ``f - g`` after the brightness correction, in grey levels; NaN at pixels whose centre lies outside the mesh.
+        """
+        return self._core.residual_map(self._reference, as_pair(self._reference, deformed), displacement)
+
+
+def correlate(
+    reference: Image,
+    deformed: Image,
+    mesh: Mesh,
+    camera: Camera = ImageFrame(),
+    *,
+    quadrature: Quadrature = MeshQuadrature(),
+    interpolation: Interpolation = "bspline3",
+    gradient: Literal["analytic", "finite-difference"] = "analytic",
+    prefilter: float = 0.0,
+    brightness: Literal["global", "element"] | None = "global",
+    hessian: Literal["initial", "updated"] = "initial",
+    initial: Initial = None,
+    regularization: float | None = None,
+    tolerance: float = 1e-3,
+    max_iterations: int = 50,
+    num_threads: int | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Measure the displacement between two images.
+
+    For several deformed images of one specimen use `Correlator`, which prepares the reference image once.
+
+    Parameters
+    ----------
+    reference, deformed : ndarray of uint8, uint16 or float32, shape (height, width)
+        The images of the specimen at rest and deformed.
+    mesh : Mesh
+        The mesh, in the physical space.
+    camera : ImageFrame, FrontParallel or Pinhole
+        Projects the mesh to the image.
+    quadrature, interpolation, gradient, prefilter, brightness, hessian, initial, regularization, tolerance, \
+max_iterations, num_threads
+        See `Correlator`.
+    progress : callable, optional
+        See `Correlator.correlate`.
+
+    Returns
+    -------
+    Result
+        The displacement and how it was reached.
+
+    Raises
+    ------
+    ImageError, MeshError, SolveError
+        As `Correlator` and `Correlator.correlate`.
+    """
+    correlator = Correlator(
+        reference,
+        mesh,
+        camera,
+        quadrature=quadrature,
+        interpolation=interpolation,
+        gradient=gradient,
+        prefilter=prefilter,
+        brightness=brightness,
+        hessian=hessian,
+        initial=initial,
+        regularization=regularization,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        num_threads=num_threads,
+        progress=progress,
+    )
+    return correlator.correlate(deformed, progress=progress)
+
+
+def _rule(quadrature: Quadrature) -> tuple[Literal["edges", "diameter", "pixel"], float]:
+    if isinstance(quadrature, MeshQuadrature):
+        return quadrature.rule, quadrature.density
+    if isinstance(quadrature, PixelQuadrature):
+        return "pixel", 1.0
+    raise SolveError(f"quadrature is {quadrature!r}; give fedic.MeshQuadrature() or fedic.PixelQuadrature().")
+
+
+def _checked_initial(initial: Initial, mesh: Mesh) -> Literal["pyramid", "fft"] | Floats | None:
+    if initial is None or (isinstance(initial, str) and initial in ("pyramid", "fft")):
+        return initial  # type: ignore[return-value]
+    if isinstance(initial, str):
+        raise SolveError(f'initial is {initial!r}; choose None, "pyramid", "fft" or an array of nodal displacements.')
+    try:
+        start = np.array(initial, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SolveError(f"initial is not an array of numbers ({error}).") from error
+    if start.shape != (mesh.num_nodes, 2):
+        raise SolveError(
+            f"initial has shape {start.shape}; give one displacement per node, shape ({mesh.num_nodes}, 2)."
+        )
+    used = mesh.used_nodes
+    start[~used] = 0.0
+    bad = np.flatnonzero(~np.isfinite(start).all(axis=1))
+    if bad.size:
+        raise SolveError(f"initial is not finite at {bad.size} nodes, the first being node {bad[0]}.", bad.tolist())
+    return start

@@ -1,0 +1,103 @@
+"""A start for large motions: one displacement for the whole mesh, by normalised cross-correlation."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._core import Mesh
+from fedic._types import Camera, Floats, Image
+from fedic.errors import SolveError
+
+__all__ = ["uniform_start"]
+
+_COARSE_SIDE = 1024
+_SMALLEST_WINDOW = 8
+
+
+def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera) -> Floats:
+    """Find the whole-pixel shift of the mesh's window between two images, as a displacement of the nodes.
+
+    The window is searched over the whole deformed image, at a coarse scale if the images are large, then refined.
+
+    Parameters
+    ----------
+    reference, deformed : ndarray, shape (height, width)
+        The two images, of the same shape.
+    mesh : Mesh
+        Its used nodes, projected in the reference image, bound the window.
+    camera : camera
+        Turns the shift in pixels into the displacement of each node, in the plane of the mesh's mean ``z``.
+
+    Returns
+    -------
+    ndarray of float, shape (n, 2)
+        In the mesh's unit.
+
+    Raises
+    ------
+    SolveError
+        If the window is too small, or shows no texture.
+    """
+    points = mesh.points
+    used = mesh.used_nodes
+    pixels = camera.project(points)
+    shift = _window_shift(reference, deformed, pixels[used])
+    z = float(points[used, 2].mean()) if points.shape[1] == 3 else 0.0
+    motion = camera.unproject(pixels + shift, z) - camera.unproject(pixels, z)
+    return np.ascontiguousarray(motion[:, :2])
+
+
+def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> NDArray[np.int64]:
+    import cv2
+
+    f, g = reference.astype(np.float32), deformed.astype(np.float32)
+    height, width = f.shape
+    step = max(height, width) / _COARSE_SIDE
+    if step <= 1.0:
+        return _best_shift(f, g, pixels)
+    size = (round(width / step), round(height / step))
+    coarse_f, coarse_g = (
+        np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.float32) for image in (f, g)
+    )
+    guess = np.rint(_best_shift(coarse_f, coarse_g, pixels / step) * step).astype(np.int64)
+    return _best_shift(f, g, pixels, near=guess, reach=int(np.ceil(step)) + 2)
+
+
+def _best_shift(
+    f: NDArray[np.float32],
+    g: NDArray[np.float32],
+    pixels: Floats,
+    near: NDArray[np.int64] | None = None,
+    reach: int = 0,
+) -> NDArray[np.int64]:
+    """Return the shift (u, v) of the window around `pixels`; `near` and `reach` restrict the search."""
+    import cv2
+
+    height, width = f.shape
+    low, high = _window(pixels, width, height)
+    window = f[low[1] : high[1], low[0] : high[0]]
+    if float(window.std()) == 0.0:
+        raise SolveError('initial="fft": the reference image has no texture under the mesh; check mesh and camera.')
+    first, last = np.zeros(2, dtype=np.int64), np.array([width, height])
+    if near is not None:
+        first = np.maximum(low + near - reach, 0)
+        last = np.minimum(high + near + reach, last)
+    score = np.asarray(cv2.matchTemplate(g[first[1] : last[1], first[0] : last[0]], window, cv2.TM_CCOEFF_NORMED))
+    score = np.where(np.isfinite(score) & (score <= 1.0 + 1e-3), score, -1.0)  # flat areas divide by zero
+    v, u = np.unravel_index(int(np.argmax(score)), score.shape)
+    shift: NDArray[np.int64] = first + np.array([u, v]) - low
+    return shift
+
+
+def _window(pixels: Floats, width: int, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Bound the pixels, keeping at most the central half image so that the window can be searched for."""
+    limits = np.array([width, height])
+    low = np.clip(np.floor(pixels.min(axis=0)), 0, limits).astype(np.int64)
+    high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, limits).astype(np.int64)
+    surplus = np.maximum((high - low) - limits // 2, 0)
+    low, high = low + surplus // 2, high - (surplus - surplus // 2)
+    if (high - low < _SMALLEST_WINDOW).any():
+        raise SolveError(
+            f'initial="fft": the mesh covers only {high[0] - low[0]} x {high[1] - low[1]} px of the image; '
+            f'at least {_SMALLEST_WINDOW} px each way are needed: use initial="pyramid" or check the camera.'
+        )
+    return low, high

@@ -1,0 +1,139 @@
+"""What a measurement gives."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fedic._core import Mesh
+from fedic._types import Camera, Floats, StrPath
+
+__all__ = ["Iteration", "Result"]
+
+
+class Iteration(NamedTuple):
+    """One Gauss-Newton iteration.
+
+    Attributes
+    ----------
+    level : int
+        Level of the pyramid; 0 is the full image.
+    iteration : int
+        Number of the iteration in its level.
+    correction : float
+        Largest nodal correction, in pixels.
+    residual_std : float
+        Standard deviation of the residual before the correction, in grey levels.
+    """
+
+    level: int
+    iteration: int
+    correction: float
+    residual_std: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """A displacement field and how it was reached.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        The mesh of the measurement.
+    camera : ImageFrame, FrontParallel or Pinhole
+        The camera of the measurement.
+    displacement : ndarray of float, shape (n, 2)
+        Nodal displacements in the mesh's unit; NaN at nodes of no cell.
+    pixel_displacement : ndarray of float, shape (n, 2)
+        The same seen in the image, ``(u, v)`` in pixels.
+    converged : bool
+        Whether the last correction was below the tolerance.
+    iterations : int
+        Number of iterations on the full image.
+    history : list of Iteration
+        Every iteration, of the pyramid's levels too.
+    num_points : int
+        Number of quadrature points.
+    residual_std : float
+        Standard deviation of the residual over the mesh, in grey levels.
+    cell_residuals : ndarray of float, shape (num_cells,)
+        Standard deviation of the residual in each cell, in grey levels.
+    outside_cells : ndarray of int
+        Cells with points that left the deformed image; these points were not used.
+    """
+
+    mesh: Mesh
+    camera: Camera
+    displacement: Floats
+    pixel_displacement: Floats
+    converged: bool
+    iterations: int
+    history: list[Iteration]
+    num_points: int
+    residual_std: float
+    cell_residuals: Floats
+    outside_cells: NDArray[np.int64]
+
+    def __repr__(self) -> str:
+        state = "converged" if self.converged else "not converged"
+        return (
+            f"Result({state} in {self.iterations} iterations, {self.mesh.num_nodes} nodes, {self.num_points} points, "
+            f"residual_std={self.residual_std:.3g})"
+        )
+
+    def at(self, points: ArrayLike) -> Floats:
+        """Evaluate the displacement anywhere in the mesh.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, 2 or 3)
+            In the mesh's unit.
+
+        Returns
+        -------
+        ndarray of float, shape (m, 2)
+            In the mesh's unit; NaN outside the mesh.
+        """
+        return self.mesh.interpolate(self.displacement, points)
+
+    def strains(self) -> Floats:
+        """Return the small strains at the centre of each cell.
+
+        Returns
+        -------
+        ndarray of float, shape (num_cells, 3)
+            ``exx, eyy, exy``, tension positive; ``exy`` is the tensor component, half the engineering shear.
+        """
+        return self.mesh.strains(self.displacement)
+
+    def write(self, path: StrPath) -> Path:
+        """Write the result to a file, whole or not at all.
+
+        ``.vtu`` and ``.vtk``
+            For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes, ``strain_xx``,
+            ``strain_yy``, ``strain_xy`` and ``residual`` on the cells.
+        ``.npz``
+            Every array, for `numpy.load`.
+        ``.json``
+            The summary, without the fields.
+
+        Parameters
+        ----------
+        path : str or path
+            The file to write; its suffix chooses the format.
+
+        Returns
+        -------
+        Path
+            The file written.
+
+        Raises
+        ------
+        FedicError
+            If the suffix is unknown or the file cannot be written.
+        """
+        from fedic.result_files import write_result
+
+        return write_result(self, Path(path))

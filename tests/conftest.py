@@ -1,0 +1,37 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import fedic
+
+SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+@pytest.fixture
+def shared_data() -> Callable[[str], Path]:
+    def find(name: str) -> Path:
+        path = SHARED_DATA / name
+        if not path.exists():
+            pytest.skip(f"needs {name}, which is not in {SHARED_DATA}")
+        return path
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def speckle_pair() -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Return two 160 x 200 images, the material of the second moved by (1.3, -0.6) px."""
+    texture = fedic.synthetic.Speckle(4.0, seed=1)
+    camera = fedic.ImageFrame()
+    reference = fedic.synthetic.render(texture, camera, (160, 200))
+    deformed = fedic.synthetic.render(texture, camera, (160, 200), displacement=(1.3, -0.6))
+    assert reference.dtype == deformed.dtype == np.uint8
+    return reference, deformed  # type: ignore[return-value]
+
+
+@pytest.fixture(scope="session")
+def result(speckle_pair: tuple[NDArray[np.uint8], NDArray[np.uint8]]) -> fedic.Result:
+    return fedic.correlate(*speckle_pair, fedic.rectangle_mesh((30, 30, 170, 130), size=20))

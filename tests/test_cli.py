@@ -1,0 +1,132 @@
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from typer.testing import CliRunner
+
+import fedic
+import fedic.demo
+import fedic.run
+from fedic.cli import app
+from fedic.progress import TerminalProgress
+
+RUNNER = CliRunner()
+
+CONFIG = """\
+[images]
+reference = "reference.png"
+deformed = ["moved.png", "reference.png"]
+[mesh.rectangle]
+bounds = [30, 30, 170, 130]
+[output]
+folder = "out"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, speckle_pair: tuple[NDArray[np.uint8], NDArray[np.uint8]]) -> Path:
+    for name, image in zip(("reference", "moved"), speckle_pair, strict=True):
+        assert cv2.imwrite(str(tmp_path / f"{name}.png"), image)
+    (tmp_path / "test.toml").write_text(CONFIG)
+    return tmp_path
+
+
+def test_version() -> None:
+    outcome = RUNNER.invoke(app, ["--version"])
+    assert (outcome.exit_code, outcome.output) == (0, f"fedic {fedic.__version__}\n")
+
+
+def test_run_writes_the_results(folder: Path) -> None:
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 0, outcome.output
+    out = folder / "out"
+    assert {path.name for path in out.iterdir()} == {
+        "mesh.png",
+        "summary.json",
+        *(
+            f"{stem}{end}"
+            for stem in ("moved", "reference")
+            for end in (".vtu", ".npz", "_displacement_x.png", "_displacement_y.png", "_residual.png")
+        ),
+    }
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["fedic"] == fedic.__version__
+    assert summary["settings"]["correlation"]["interpolation"] == "bspline3"
+    assert [frame["converged"] for frame in summary["frames"]] == [True, True]
+    assert "moved.png: converged in" in outcome.stdout
+
+
+def test_a_frame_that_fails_does_not_stop_the_others(folder: Path) -> None:
+    assert cv2.imwrite(str(folder / "moved.png"), np.zeros((10, 10), dtype=np.uint8))
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 2
+    assert "1 of 2 frames failed, the first being moved.png" in outcome.stderr
+    frames = json.loads((folder / "out" / "summary.json").read_text())["frames"]
+    assert "reference image is 200 x 160 px" in frames[0]["error"]
+    assert frames[1]["converged"]
+
+
+def test_faults_are_sentences_without_traceback(folder: Path) -> None:
+    (folder / "test.toml").write_text(CONFIG.replace("bounds", "bonds"))
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 2
+    assert outcome.stderr.startswith("fedic: ")
+    assert 'mesh.rectangle.bonds is not a known key; did you mean "bounds"?' in outcome.stderr
+    assert "Traceback" not in outcome.output
+    assert not (folder / "out").exists()
+
+
+def test_finished_frames_survive_an_interruption(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = []
+    correlate = fedic.Correlator.correlate
+
+    def interrupted(self: fedic.Correlator, *args: object, **options: object) -> fedic.Result:
+        if measured:
+            raise KeyboardInterrupt
+        measured.append(True)
+        return correlate(self, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(fedic.Correlator, "correlate", interrupted)
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 130
+    assert len(json.loads((folder / "out" / "summary.json").read_text())["frames"]) == 1
+
+
+def test_demo_finds_the_bias_of_the_lens(tmp_path: Path) -> None:
+    outcome = RUNNER.invoke(app, ["demo", "--output", str(tmp_path / "demo")])
+    assert outcome.exit_code == 0, outcome.output
+    assert {path.name for path in (tmp_path / "demo").iterdir()} == {
+        "demo.json",
+        "deformed.tif",
+        "error-maps.png",
+        "reference.tif",
+        "with-lens.vtu",
+        "without-lens.vtu",
+    }
+    found = json.loads((tmp_path / "demo" / "demo.json").read_text())
+    np.testing.assert_allclose(found["with_lens"]["bias_px"], 0.0, atol=2e-4)
+    assert max(found["with_lens"]["std_px"]) < 0.0025
+    np.testing.assert_allclose(found["without_lens"]["bias_px"], (0.0171, 0.0092), atol=1e-3)
+    np.testing.assert_allclose(found["without_lens"]["std_px"], (0.0077, 0.0062), rtol=0.1)
+
+
+def test_progress_is_silent_when_stderr_is_no_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fedic.progress._PATIENCE_SECONDS", 0.0)
+    with TerminalProgress("frame") as progress:
+        progress.iteration("correlation", 1, 2, 0.1, 3.0)
+        progress.fraction(0.5)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_import_is_light() -> None:
+    heavy = "cv2 gmsh matplotlib meshio pydantic rich scipy tifffile typer"
+    code = f"import fedic, sys; print([name for name in {heavy.split()} if name in sys.modules])"
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert outcome.stdout.strip() == "[]"

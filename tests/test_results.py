@@ -1,0 +1,222 @@
+import json
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import fedic
+from fedic.fft_start import uniform_start
+
+Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+MOTION = (1.3, -0.6)
+
+
+@pytest.mark.parametrize("quadrature", [fedic.MeshQuadrature(), fedic.PixelQuadrature()])
+@pytest.mark.parametrize("initial", [None, "pyramid", "fft"])
+def test_a_known_motion_is_measured(speckle_pair: Pair, quadrature: object, initial: str | None) -> None:
+    mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
+    result = fedic.correlate(*speckle_pair, mesh, quadrature=quadrature, initial=initial)  # type: ignore[arg-type]
+    assert result.converged
+    np.testing.assert_allclose(result.displacement, np.tile(MOTION, (mesh.num_nodes, 1)), atol=0.05)
+
+
+def test_a_front_parallel_camera_turns_pixels_into_the_meshs_unit(speckle_pair: Pair) -> None:
+    camera = fedic.FrontParallel(10.0, (0.0, 160.0))
+    mesh = fedic.rectangle_mesh((3, 3, 17, 13), size=2)
+    result = fedic.correlate(*speckle_pair, mesh, camera, initial="fft")
+    np.testing.assert_allclose(result.displacement.mean(axis=0), (0.13, 0.06), atol=0.002)
+    np.testing.assert_allclose(result.pixel_displacement.mean(axis=0), MOTION, atol=0.02)
+
+
+def test_a_correlator_measures_many_frames_with_its_own_or_a_given_start(speckle_pair: Pair) -> None:
+    reference, deformed = speckle_pair
+    mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
+    correlator = fedic.Correlator(reference, mesh, initial="pyramid")
+    first = correlator.correlate(deformed)
+    again = correlator.correlate(deformed, initial=first.displacement)
+    assert again.iterations <= first.iterations
+    np.testing.assert_allclose(again.displacement, first.displacement, atol=5e-3)
+    residual = correlator.residual_map(deformed, first.displacement)
+    assert residual.shape == reference.shape
+    assert np.isnan(residual[:29]).all()
+    assert np.isfinite(residual[40:120, 40:160]).mean() > 0.5
+
+
+def test_progress_is_reported_and_recorded(speckle_pair: Pair) -> None:
+    calls: list[tuple[str, int, int, float, float]] = []
+    mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
+    result = fedic.correlate(*speckle_pair, mesh, progress=lambda *call: calls.append(call))
+    assert calls
+    assert all(isinstance(entry, fedic.Iteration) for entry in result.history)
+    assert result.history[-1].correction < 1e-3
+
+
+def test_nodes_of_no_cell_are_nan_and_accepted_as_a_start(speckle_pair: Pair) -> None:
+    grid = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
+    mesh = fedic.Mesh(np.vstack([grid.points, [[0.0, 0.0]]]), grid.cells)
+    correlator = fedic.Correlator(speckle_pair[0], mesh)
+    result = correlator.correlate(speckle_pair[1])
+    assert np.isnan(result.displacement[-1]).all()
+    assert np.isfinite(result.displacement[:-1]).all()
+    assert correlator.correlate(speckle_pair[1], initial=result.displacement).converged
+
+
+@pytest.mark.parametrize(
+    ("image", "message"),
+    [
+        ([[1, 2], [3, 4]], "deformed image is a list"),
+        (np.zeros((160, 200, 3), dtype=np.uint8), r"shape \(160, 200, 3\)"),
+        (np.zeros((160, 200), dtype=np.int32), "holds int32 values"),
+        (np.zeros((200, 160), dtype=np.uint8), "160 x 200 px .* reference image is 200 x 160 px"),
+    ],
+)
+def test_bad_images_are_explained(speckle_pair: Pair, image: object, message: str) -> None:
+    with pytest.raises(fedic.ImageError, match=message):
+        fedic.correlate(speckle_pair[0], image, fedic.rectangle_mesh((30, 30, 170, 130)))  # type: ignore[arg-type]
+
+
+def test_float64_and_views_are_accepted(speckle_pair: Pair) -> None:
+    reference, deformed = (image.astype(np.float64)[:, ::-1] for image in speckle_pair)
+    result = fedic.correlate(reference, deformed, fedic.rectangle_mesh((30, 30, 170, 130)))  # type: ignore[arg-type]
+    np.testing.assert_allclose(result.displacement.mean(axis=0), (-1.3, -0.6), atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"initial": "fourier"}, 'choose None, "pyramid", "fft"'),
+        ({"initial": np.zeros((3, 2))}, r"shape \(3, 2\); give one displacement per node, shape \(48, 2\)"),
+        ({"initial": np.full((48, 2), np.nan)}, "not finite at 48 nodes"),
+        ({"quadrature": "edges"}, r"fedic\.MeshQuadrature\(\)"),
+    ],
+)
+def test_bad_options_are_explained(speckle_pair: Pair, options: dict, message: str) -> None:
+    with pytest.raises(fedic.SolveError, match=message):
+        fedic.correlate(*speckle_pair, fedic.rectangle_mesh((30, 30, 170, 130)), **options)
+
+
+@pytest.mark.parametrize("options", [{"density": 0.0}, {"density": float("nan")}, {"rule": "gauss"}])
+def test_bad_quadratures_are_refused(options: dict) -> None:
+    with pytest.raises(fedic.SolveError, match="MeshQuadrature"):
+        fedic.MeshQuadrature(**options)
+
+
+@pytest.mark.parametrize("shape", [(300, 400), (900, 2100)], ids=["fine", "coarse-then-fine"])
+@pytest.mark.parametrize("extent", [0.3, 0.9])
+def test_fft_start_finds_a_large_motion(shape: tuple[int, int], extent: float) -> None:
+    height, width = shape
+    rng = np.random.default_rng(0)
+    noise = rng.integers(0, 256, (height // 2, width // 2)).astype(np.uint8)
+    reference = np.kron(noise, np.ones((2, 2), dtype=np.uint8))
+    shift_u, shift_v = (37, -21) if extent < 0.5 else (5, -3)
+    deformed = np.roll(reference, (shift_v, shift_u), axis=(0, 1))
+    camera = fedic.FrontParallel(4.0, (width / 2, height / 2))
+    half = np.array([width, height]) * extent / 8.0
+    mesh = fedic.rectangle_mesh((-half[0], -half[1], half[0], half[1]), size=float(half[0]))
+    start = uniform_start(reference, deformed, mesh, camera)
+    np.testing.assert_allclose(start, np.tile((shift_u / 4.0, -shift_v / 4.0), (mesh.num_nodes, 1)), atol=1e-9)
+
+
+def test_fft_start_needs_texture_and_room() -> None:
+    flat = np.zeros((100, 100), dtype=np.uint8)
+    with pytest.raises(fedic.SolveError, match="no texture"):
+        uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 60, 60)), fedic.ImageFrame())
+    with pytest.raises(fedic.SolveError, match="covers only 5 x 5 px"):
+        uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 24, 24), size=2), fedic.ImageFrame())
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
+def test_mesh_files_hold_the_fields(result: fedic.Result, tmp_path: Path, suffix: str) -> None:
+    path = result.write(tmp_path / f"result{suffix}")
+    read = meshio.read(path)
+    np.testing.assert_array_equal(read.points[:, :2], result.mesh.points)
+    np.testing.assert_array_equal(read.cells_dict["quad"], result.mesh.cells["quad"])
+    for name, field in (("displacement", result.displacement), ("displacement_px", result.pixel_displacement)):
+        np.testing.assert_array_equal(read.point_data[name][:, :2], field)
+        np.testing.assert_array_equal(read.point_data[name][:, 2], 0.0)
+    for name, field in zip(("strain_xx", "strain_yy", "strain_xy"), result.strains().T, strict=True):
+        np.testing.assert_array_equal(read.cell_data[name][0], field)
+    np.testing.assert_array_equal(read.cell_data["residual"][0], result.cell_residuals)
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+def test_arrays_load_with_plain_numpy(result: fedic.Result, tmp_path: Path) -> None:
+    with np.load(result.write(tmp_path / "result.npz"), allow_pickle=False) as arrays:
+        np.testing.assert_array_equal(arrays["displacement"], result.displacement)
+        np.testing.assert_array_equal(arrays["cells_quad"], result.mesh.cells["quad"])
+        np.testing.assert_array_equal(arrays["strains"], result.strains())
+        np.testing.assert_array_equal(arrays["history"], np.array(result.history))
+        assert arrays["converged"] == result.converged
+
+
+def test_summary_is_plain_json(result: fedic.Result, tmp_path: Path) -> None:
+    content = json.loads(result.write(tmp_path / "result.json").read_text())
+    assert content["converged"] is True
+    assert content["num_nodes"] == result.mesh.num_nodes
+    assert len(content["history"]) == len(result.history)
+
+
+def test_unknown_suffix_and_missing_folder_are_explained(result: fedic.Result, tmp_path: Path) -> None:
+    with pytest.raises(fedic.FedicError, match=r"'\.xls'; choose \.vtu, \.vtk, \.npz, \.json"):
+        result.write(tmp_path / "result.xls")
+    with pytest.raises(fedic.FedicError, match="does not exist; make it first"):
+        result.write(tmp_path / "no" / "result.vtu")
+
+
+def test_a_failed_write_keeps_the_old_file(
+    result: fedic.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "result.npz"
+    path.write_text("old")
+    monkeypatch.setattr(np, "savez", lambda *_, **__: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(fedic.FedicError, match="No space left on device"):
+        result.write(path)
+    assert path.read_text() == "old"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["result.npz"]
+
+
+def test_field_and_strains_between_nodes(result: fedic.Result) -> None:
+    np.testing.assert_allclose(result.at([[100.0, 80.0]]), [MOTION], atol=0.05)
+    assert np.isnan(result.at([[0.0, 0.0]])).all()
+    assert result.strains().shape == (result.mesh.num_cells, 3)
+    np.testing.assert_allclose(result.strains(), 0.0, atol=5e-3)
+
+
+def test_render_moves_the_material_by_the_displacement() -> None:
+    texture, camera = fedic.synthetic.Speckle(5.0, seed=3), fedic.ImageFrame()
+    still = fedic.synthetic.render(texture, camera, (60, 80))
+    moved = fedic.synthetic.render(texture, camera, (60, 80), displacement=(7.0, 4.0))
+    np.testing.assert_array_equal(moved[4:, 7:], still[:-4, :-7])
+
+
+def test_render_inverts_a_displacement_field() -> None:
+    texture, camera = fedic.synthetic.Speckle(5.0, seed=3), fedic.ImageFrame()
+    constant = fedic.synthetic.render(texture, camera, (30, 40), displacement=(2.5, -1.0))
+    as_field = fedic.synthetic.render(
+        texture, camera, (30, 40), displacement=lambda points: np.tile((2.5, -1.0), (len(points), 1))
+    )
+    np.testing.assert_array_equal(constant, as_field)
+    stretched = fedic.synthetic.render(texture, camera, (30, 40), displacement=lambda points: 0.25 * points)
+    rendered = texture.values(np.array([[20.0, 12.0]]) / 1.25)
+    point = fedic.synthetic.render(
+        texture, camera, (30, 40), displacement=lambda points: 0.25 * points, supersampling=1
+    )
+    assert abs(point[12, 20] / 255.0 - (0.1 + 0.8 * rendered[0])) < 0.003
+    assert stretched.shape == (30, 40)
+    with pytest.raises(fedic.ImageError, match="gradient must stay well below 1"):
+        fedic.synthetic.render(texture, camera, (30, 40), displacement=lambda points: 2.0 * points)
+
+
+def test_render_depth_noise_and_seed() -> None:
+    texture, camera = fedic.synthetic.Speckle(5.0), fedic.ImageFrame()
+    clean = fedic.synthetic.render(texture, camera, (100, 100), bits=12)
+    assert clean.dtype == np.uint16
+    assert 255 < clean.max() <= 4095
+    noisy = fedic.synthetic.render(texture, camera, (100, 100), bits=12, noise=10.0, seed=4)
+    assert np.std(noisy.astype(float) - clean) == pytest.approx(10.0, rel=0.05)
+    again = fedic.synthetic.render(texture, camera, (100, 100), bits=12, noise=10.0, seed=4)
+    np.testing.assert_array_equal(noisy, again)
+    with pytest.raises(fedic.ImageError, match="bits=10"):
+        fedic.synthetic.render(texture, camera, (10, 10), bits=10)  # type: ignore[arg-type]
