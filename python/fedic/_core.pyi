@@ -6,7 +6,19 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__: list[str]
+__all__ = [
+    "BrownDistortion",
+    "Correlator",
+    "FrontParallel",
+    "ImageFrame",
+    "Mesh",
+    "Pinhole",
+    "Solution",
+    "Speckle",
+    "__version__",
+    "interpolate_image",
+    "rectangle_mesh",
+]
 
 __version__: str
 
@@ -33,9 +45,8 @@ class Mesh:
     def strains(self, displacement: ArrayLike) -> NDArray[np.float64]: ...
     def interpolate(self, nodal: ArrayLike, points: ArrayLike) -> NDArray[np.float64]: ...
 
-def rectangle_mesh(
-    bounds: tuple[float, float, float, float], size: float = 20.0, cell: _CellName = "quad"
-) -> Mesh: ...
+def rectangle_mesh(bounds: tuple[float, float, float, float], size: float = 20.0, cell: _CellName = "quad") -> Mesh: ...
+
 @final
 class BrownDistortion:
     def __new__(
@@ -75,9 +86,9 @@ class Pinhole:
         cls,
         focal: tuple[float, float],
         principal_point: tuple[float, float],
-        rotation: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | None = None,
         translation: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        skew_angle: float = ...,
+        skew_angle: float = 1.5707963267948966,
         distortion: BrownDistortion | None = None,
     ) -> Pinhole: ...
     @property
@@ -163,6 +174,7 @@ class Speckle:
     @property
     def seed(self) -> int: ...
     def values(self, points: ArrayLike) -> NDArray[np.float64]: ...
+
 def interpolate_image(
     image: _Image,
     pixels: ArrayLike,

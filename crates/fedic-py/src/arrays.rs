@@ -1,9 +1,6 @@
 //! NumPy arrays in and out, with errors that say which array, its shape and what was expected.
 
-use numpy::{
-    AllowTypeChange, PyArray, PyArray2, PyArrayDescrMethods, PyArrayLike2, PyArrayMethods, PyUntypedArray,
-    PyUntypedArrayMethods,
-};
+use numpy::{AllowTypeChange, PyArray, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 /// Makes the exception of a module out of a sentence.
@@ -42,20 +39,15 @@ pub(crate) fn matrix<'py>(
         .map_err(|_| raise(format!("{name} must be a 2-dimensional array of real numbers, got {}", describe(object))))
 }
 
-/// A 2-dimensional array of indices, by rows; numbers that are no integers are refused.
+/// A 2-dimensional array of indices, by rows, and its width; numbers that are no integers are refused.
 pub(crate) fn indices(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<(Vec<i64>, usize)> {
     let refuse = || raise(format!("{name} must be a 2-dimensional array of integers, got {}", describe(object)));
-    let array: PyArrayLike2<'_, i64, AllowTypeChange> = object.extract().map_err(|_| refuse())?;
-    let is_integer = object.cast::<PyUntypedArray>().map_or(true, |given| matches!(given.dtype().kind(), b'i' | b'u'));
-    let exact = is_integer || {
-        let real: PyArrayLike2<'_, f64, AllowTypeChange> = object.extract().map_err(|_| refuse())?;
-        real.as_array().iter().all(|x| x.fract() == 0.0)
-    };
-    if !exact {
+    let array: PyArrayLike2<'_, f64, AllowTypeChange> = object.extract().map_err(|_| refuse())?;
+    let view = array.as_array();
+    if view.iter().any(|x| x.fract() != 0.0 || x.is_nan()) {
         return Err(refuse());
     }
-    let view = array.as_array();
-    Ok((view.iter().copied().collect(), view.ncols()))
+    Ok((view.iter().map(|&x| x as i64).collect(), view.ncols()))
 }
 
 /// What an object is, in the words of an error message.

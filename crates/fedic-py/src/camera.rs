@@ -172,7 +172,7 @@ pub(crate) struct FrontParallel(fedic::FrontParallel);
 
 camera_methods!(FrontParallel {
     #[new]
-    #[pyo3(signature = (scale, origin=[0.0, 0.0]))]
+    #[pyo3(signature = (scale, origin=[0.0, 0.0]), text_signature = "(scale, origin=(0.0, 0.0))")]
     fn new(scale: f64, origin: [f64; 2]) -> PyResult<Self> {
         fedic::FrontParallel::new(scale, origin).map(Self).map_err(IntoPyErr::into_py_err)
     }
@@ -222,7 +222,10 @@ pub(crate) struct BrownDistortion(fedic::BrownDistortion);
 #[pymethods]
 impl BrownDistortion {
     #[new]
-    #[pyo3(signature = (radial=[0.0, 0.0, 0.0], decentering=[0.0, 0.0], prism=[0.0, 0.0]))]
+    #[pyo3(
+        signature = (radial=[0.0, 0.0, 0.0], decentering=[0.0, 0.0], prism=[0.0, 0.0]),
+        text_signature = "(radial=(0.0, 0.0, 0.0), decentering=(0.0, 0.0), prism=(0.0, 0.0))"
+    )]
     fn new(radial: [f64; 3], decentering: [f64; 2], prism: [f64; 2]) -> PyResult<Self> {
         fedic::BrownDistortion::new(radial, decentering, prism).map(Self).map_err(IntoPyErr::into_py_err)
     }
@@ -271,8 +274,8 @@ impl BrownDistortion {
 ///     In pixels.
 /// principal_point : (cx, cy)
 ///     In pixels.
-/// rotation : (3,) or (3, 3) array_like
-///     Rotation vector (axis times angle in radians) or rotation matrix ``R``.
+/// rotation : (3,) or (3, 3) array_like, optional
+///     Rotation vector (axis times angle in radians) or rotation matrix ``R``; none unless given.
 /// translation : (3,)
 ///     ``t``, in the world unit.
 /// skew_angle : float
@@ -289,7 +292,13 @@ pub(crate) struct Pinhole(fedic::Pinhole);
 
 camera_methods!(Pinhole {
     #[new]
-    #[pyo3(signature = (focal, principal_point, rotation=None, translation=[0.0, 0.0, 0.0], skew_angle=FRAC_PI_2, distortion=None))]
+    #[pyo3(
+        signature = (
+            focal, principal_point, rotation=None, translation=[0.0, 0.0, 0.0], skew_angle=FRAC_PI_2, distortion=None
+        ),
+        text_signature = "(focal, principal_point, rotation=None, translation=(0.0, 0.0, 0.0), \
+                          skew_angle=1.5707963267948966, distortion=None)"
+    )]
     fn new(
         focal: [f64; 2],
         principal_point: [f64; 2],

@@ -1,0 +1,57 @@
+# The targets a developer needs; `make help` lists them.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CARGO_TEST := --workspace --exclude fedic-py
+
+.DEFAULT_GOAL := help
+.PHONY: help setup build demo test test-rust test-python check format doc bench clean
+
+help: ## List the targets.
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
+
+$(VENV)/.ready: pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	touch $@
+
+setup: $(VENV)/.ready ## Make the virtual environment and install fedic in it with all its tools.
+
+build: setup ## Compile the extension module into the environment.
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --release --quiet
+
+demo: build ## Run the main job: the lens-distortion experiment, with its table and picture in fedic-demo/.
+	$(BIN)/fedic demo
+
+test: test-rust test-python ## Run every test.
+
+test-rust:
+	cargo test --quiet $(CARGO_TEST)
+
+test-python: build
+	$(BIN)/python -m pytest
+
+check: build ## Check format, lints, types, stubs and documentation; warnings are errors.
+	cargo fmt --all --check
+	cargo clippy --quiet --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest fedic._core
+
+format: setup ## Format the sources.
+	cargo fmt --all
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+doc: ## Build the documentation of the Rust crates.
+	RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps
+
+bench: build ## Time the kernels, and the whole measurement beside the peers that are installed.
+	cargo bench --package fedic-benches
+	$(BIN)/python benches/python/compare.py
+
+clean: ## Remove everything built.
+	rm -rf target $(VENV) fedic-demo

@@ -1,0 +1,37 @@
+//! Reading an image between its pixels, per point, in the order of a scan with jitter.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use fedic::{Interpolation, Interpolator};
+use fedic_benches::{Picture, SENSOR, criterion, jitter};
+
+/// Columns and rows of the scan.
+const SCAN: [usize; 2] = [1000, 100];
+const ORIGIN: f64 = 500.0;
+
+fn interpolation(c: &mut Criterion) {
+    let picture = Picture::new(SENSOR, [0.0; 2]);
+    let count = SCAN[0] * SCAN[1];
+    let noise: Vec<f64> = jitter(2 * count).collect();
+    let scan = |place: fn(usize) -> usize, noise: &[f64]| -> Vec<f64> {
+        noise.iter().enumerate().map(|(index, noise)| ORIGIN + place(index) as f64 + noise).collect()
+    };
+    let u = scan(|index| index % SCAN[0], &noise[..count]);
+    let v = scan(|index| index / SCAN[0], &noise[count..]);
+    let (mut value, mut du, mut dv) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+
+    let mut group = c.benchmark_group("interpolation");
+    group.throughput(Throughput::Elements(count as u64));
+    for kind in Interpolation::ALL {
+        let interpolator = Interpolator::new(picture.view(), kind);
+        group.bench_function(format!("values/{kind}"), |b| b.iter(|| interpolator.values(&u, &v, &mut value)));
+        group.bench_function(format!("values_and_gradients/{kind}"), |b| {
+            b.iter(|| interpolator.values_and_gradients(&u, &v, &mut value, &mut du, &mut dv));
+        });
+    }
+    group.finish();
+}
+
+criterion_group! { name = benches; config = criterion(); targets = interpolation }
+criterion_main!(benches);

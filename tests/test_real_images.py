@@ -1,0 +1,103 @@
+"""The real experiments, held against the reference values; skipped by name where the data are absent."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fedic
+
+FRAMES = ["0054", "0058", "0062", "0066", "0070"]
+Shared = Callable[[str], Path]
+
+
+def open_hole_camera(unit: float = 1.0) -> fedic.Pinhole:
+    """Return the camera of the reference, a scale of 1 / 0.000095 px/m and a turn; `unit` is 1000 for millimetres."""
+    angle = -1.573863
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    translation = unit * np.array([0.081188, 0.096383, 0.000095])
+    return fedic.Pinhole((1, 1), (0, 0), rotation=turn @ np.diag([1.0, -1.0, -1.0]), translation=tuple(translation))
+
+
+@pytest.fixture(scope="module")
+def peer() -> dict[str, np.ndarray]:
+    path = Path(__file__).resolve().parents[2] / "shared" / "reference" / "openhole_pyxel.npz"
+    if not path.exists():
+        pytest.skip(f"needs {path.name}, which is not in {path.parent}")
+    with np.load(path) as arrays:
+        return dict(arrays)
+
+
+@pytest.fixture
+def frame(shared_data: Shared) -> Callable[[str], np.ndarray]:
+    return lambda number: fedic.read_image(shared_data(f"openhole/zoom-{number}_1.tif"))
+
+
+@pytest.mark.parametrize("number", FRAMES)
+def test_open_hole_agrees_with_the_reference(
+    number: str, frame: Callable[[str], np.ndarray], shared_data: Shared, peer: dict[str, np.ndarray]
+) -> None:
+    mesh = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
+    camera = open_hole_camera()
+    np.testing.assert_allclose(camera.project(mesh.points), np.c_[peer["u_px"], peer["v_px"]], atol=1e-6)
+    result = fedic.correlate(frame("0053"), frame(number), mesh, camera, initial="pyramid")
+    assert result.converged
+    assert result.outside_cells.size == 0
+    difference = np.linalg.norm(result.pixel_displacement - peer[f"disp_px_{number}"], axis=1)
+    # Wanted: 0.010, 0.08 and 1.01. Measured: below 1e-4, 0.02 and 1.0002.
+    assert np.median(difference) < 0.001
+    assert np.percentile(difference, 99) < 0.03
+    assert result.residual_std < 1.002 * peer[f"std_{number}"]
+
+
+def test_open_hole_residual_with_quintic_splines(frame: Callable[[str], np.ndarray], shared_data: Shared) -> None:
+    mesh = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
+    result = fedic.correlate(
+        frame("0053"), frame("0070"), mesh, open_hole_camera(), interpolation="bspline5", initial="pyramid"
+    )
+    assert result.converged
+    assert result.residual_std < 2.10
+
+
+@pytest.mark.parametrize("number", FRAMES)
+def test_triangles_in_millimetres_agree_with_quads_in_metres(
+    number: str, frame: Callable[[str], np.ndarray], shared_data: Shared
+) -> None:
+    quads = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
+    triangles = fedic.read_mesh(shared_data("openhole/gmsh_t3_mm.msh"))
+    camera = open_hole_camera(1000.0)
+    coarse = fedic.correlate(frame("0053"), frame(number), quads, open_hole_camera(), initial="pyramid")
+    fine = fedic.correlate(frame("0053"), frame(number), triangles, camera, initial="pyramid")
+    assert fine.converged
+    points = 1000.0 * quads.points
+    displacement = fine.at(points)
+    inside = ~np.isnan(displacement[:, 0])
+    assert inside.sum() > 1400
+    pixels = camera.project(points[inside] + displacement[inside]) - camera.project(points[inside])
+    difference = np.linalg.norm(pixels - coarse.pixel_displacement[inside], axis=1)
+    assert np.median(difference) < 0.03
+
+
+def test_star_noise_and_resolution(shared_data: Shared) -> None:
+    """Metrological efficiency indicator of the DIC Challenge 2.0: noise times resolved wavelength, Q4 of 16 px."""
+    size, middle = 16, 250.0
+    reference = fedic.read_image(shared_data("star/DIC_Challenge_Star_Noise_Ref.tiff"))
+    deformed = fedic.read_image(shared_data("star/DIC_Challenge_Star_Noise_Def.tiff"))
+    half = size * int((middle - 2) // size)
+    mesh = fedic.rectangle_mesh((2.0, middle - half, 2.0 + size * 249, middle + half), size)
+    result = fedic.correlate(reference, deformed, mesh, interpolation="bspline5")
+    assert result.converged
+
+    def field(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        return result.at(grid).reshape(len(y), len(x), 2)
+
+    inner = half - 1.5 * size
+    noise = field(np.arange(2501.0, 3900.0), np.arange(np.ceil(middle - inner), middle + inner))[..., 0].std()
+    x = np.arange(10.0, 3980.0)
+    amplitude = np.convolve(field(x, np.array([middle]))[0, :, 1] / 0.5, np.full(40, 1 / 40), mode="valid")
+    centres = x[: len(amplitude)] + 19.5
+    first = int(np.argmax(amplitude >= 0.9))
+    wavelength = 10 + 0.0725 * np.interp(0.9, amplitude[first - 1 : first + 1], centres[first - 1 : first + 1])
+    assert noise * wavelength < 0.30
