@@ -53,7 +53,10 @@ impl IntoPyErr for SolveError {
         let message = self.to_string();
         let nodes = match self {
             Self::Singular { nodes, .. } | Self::Diverged { nodes, .. } => nodes,
-            Self::InvalidOption { .. } | Self::InvalidStart { .. } | Self::TooLarge { .. } => vec![],
+            Self::InvalidOption { .. }
+            | Self::InvalidStart { .. }
+            | Self::TooLarge { .. }
+            | Self::TooManyPoints { .. } => vec![],
         };
         python::SolveError::new_err((message, nodes))
     }

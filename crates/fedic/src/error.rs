@@ -105,6 +105,12 @@ pub enum SolveError {
         /// Number of unknowns.
         dofs: usize,
     },
+    /// The quadrature points do not fit in memory.
+    #[error("{points} quadrature points do not fit in memory; lower the density")]
+    TooManyPoints {
+        /// Number of points asked for.
+        points: usize,
+    },
     /// The corrections grow without bound.
     #[error(
         "the correlation diverged at iteration {iteration}: {} by {correction:.3e} pixels in one step; start closer (initial=\"pyramid\" \

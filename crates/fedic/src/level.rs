@@ -13,7 +13,7 @@ use crate::cell_quadrature::CellQuadrature;
 use crate::hessian::CellHessian;
 use crate::regularization::penalty_factor;
 use crate::system::System;
-use crate::{COMPONENTS, Error, Monitor, Quadrature, Sampler};
+use crate::{COMPONENTS, Error, Monitor, Quadrature, Sampler, SolveError};
 
 /// What is kept of the reference image at a quadrature point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -66,7 +66,9 @@ impl Level {
             }
         }
         let quadrature = CellQuadrature::new(mesh, camera.as_ref(), settings.quadrature)?;
-        let mut points = Vec::with_capacity(quadrature.num_points());
+        let num_points = quadrature.num_points();
+        let mut points = Vec::new();
+        points.try_reserve_exact(num_points).map_err(|_| SolveError::TooManyPoints { points: num_points })?;
         let mut hessian = SymmetricMatrix::zeros(&system.pattern);
         let mut trace = 0.0;
         let mut moments = Moments::default();

@@ -1,0 +1,44 @@
+"""Measure one pair with pyvale, subsets of 21 px every SIZE: python pair_pyvale.py REF DEF X0 Y0 X1 Y1 SIZE OUT."""
+
+import time
+
+from measure import arguments, report, save_field
+
+_SUBSET = 21
+_PREFIX = "pyvale_"
+
+
+def main() -> None:
+    """Measure with the default method (affine subsets, all threads) and leave the displacement at their centres."""
+    given = arguments()
+    start = time.perf_counter()
+    import cv2
+    import numpy as np
+    import pyvale.dic as dic  # type: ignore[import-not-found]
+
+    image = cv2.imread(str(given.reference), cv2.IMREAD_GRAYSCALE)
+    assert image is not None, f"{given.reference} is no image"
+    x0, y0, x1, y1 = map(int, given.bounds)
+    region = np.zeros(image.shape, dtype=bool)
+    region[y0:y1, x0:x1] = True
+    dic.calculate_2d(
+        reference=given.reference,
+        deformed=[given.deformed],
+        roi_mask=region,
+        seed=[(x0 + x1) // 2, (y0 + y1) // 2],
+        subset_size=_SUBSET,
+        subset_step=int(given.size),
+        output_basepath=given.out.parent,
+        output_prefix=_PREFIX,
+        print_level=0,
+    )
+    (table,) = given.out.parent.glob(f"{_PREFIX}{given.deformed.stem}*.csv")
+    found = dic.import_2d(table, delimiter=",", layout="column", print_level=0)
+    columns = (found.ss_x, found.ss_y, found.u_px, found.v_px)
+    x, y, u, v = (np.ravel(np.asarray(column, dtype=np.float64)) for column in columns)
+    save_field(given.out, np.column_stack([x, y]), np.column_stack([u, v]))
+    report(points=x.size * _SUBSET**2, dofs=2 * x.size, seconds=time.perf_counter() - start)
+
+
+if __name__ == "__main__":
+    main()
