@@ -55,7 +55,7 @@ def test_mesh_outside_the_image(image: np.ndarray) -> None:
         fedic.correlate(image, image, fedic.rectangle_mesh((50, 20, 130, 60), 20))
     assert some.value.cells == [3, 7]
     # A camera in the wrong unit: found before billions of quadrature points are made.
-    with pytest.raises(fedic.MeshError, match="cells lie at least partly outside|the whole mesh lies outside"):
+    with pytest.raises(fedic.MeshError, match=r"cells lie at least partly outside|the whole mesh lies outside"):
         fedic.correlate(image, image, fedic.rectangle_mesh((20, 20, 100, 80), 20), fedic.FrontParallel(1e6))
 
 

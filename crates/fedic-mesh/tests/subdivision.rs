@@ -1,0 +1,124 @@
+//! The points of a subdivision, and how finely the two rules cut a cell.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+
+use std::collections::HashSet;
+
+use common::straight_cell;
+use fedic_mesh::{CellType, Rule, Subdivision};
+use proptest::prelude::*;
+
+fn any_subdivision() -> impl Strategy<Value = Subdivision> {
+    prop_oneof![
+        (1_u32..60).prop_map(|n| Subdivision::Triangle { n }),
+        (1_u32..60, 1_u32..60).prop_map(|(nx, ny)| Subdivision::Quad { nx, ny }),
+    ]
+}
+
+fn points(subdivision: Subdivision, first: usize, count: usize) -> Vec<[f64; 2]> {
+    let (mut xi, mut eta) = (vec![f64::NAN; count], vec![f64::NAN; count]);
+    subdivision.points(first, &mut xi, &mut eta);
+    xi.into_iter().zip(eta).map(|(x, y)| [x, y]).collect()
+}
+
+proptest! {
+    #[test]
+    fn parts_fill_the_reference_domain(subdivision in any_subdivision()) {
+        let whole = match subdivision {
+            Subdivision::Triangle { .. } => 0.5,
+            Subdivision::Quad { .. } => 4.0,
+        };
+        let sum = subdivision.part_area() * subdivision.num_points() as f64;
+        prop_assert!((sum - whole).abs() < 1e-15, "{sum}");
+    }
+
+    #[test]
+    fn points_lie_inside_apart_from_each_other_and_around_the_centre(subdivision in any_subdivision()) {
+        let all = points(subdivision, 0, subdivision.num_points());
+        // Centres of equal parts: none nearer to an edge than a third (triangles) or half (quads) of a part.
+        let (centre, margin) = match subdivision {
+            Subdivision::Triangle { n } => (1.0 / 3.0, 1.0 / (3.0 * f64::from(n))),
+            Subdivision::Quad { nx, ny } => (0.0, 1.0 / f64::from(nx.max(ny))),
+        };
+        for &[x, y] in &all {
+            let nearest = match subdivision {
+                Subdivision::Triangle { .. } => x.min(y).min(1.0 - x - y),
+                Subdivision::Quad { .. } => (1.0 - x.abs()).min(1.0 - y.abs()),
+            };
+            prop_assert!(nearest > margin - 1e-14, "({x}, {y})");
+        }
+        let rounded: HashSet<[i64; 2]> = all.iter().map(|p| p.map(|c| (c * 1e9).round() as i64)).collect();
+        prop_assert_eq!(rounded.len(), all.len());
+        for d in 0..2 {
+            let mean = all.iter().map(|p| p[d]).sum::<f64>() / all.len() as f64;
+            prop_assert!((mean - centre).abs() < 1e-14, "{mean}");
+        }
+    }
+
+    #[test]
+    fn reading_from_any_point_on_gives_the_same_bits(
+        subdivision in any_subdivision(),
+        place: proptest::sample::Index,
+        length: proptest::sample::Index,
+    ) {
+        let all = points(subdivision, 0, subdivision.num_points());
+        let first = place.index(all.len());
+        let count = 1 + length.index(all.len() - first);
+        prop_assert_eq!(points(subdivision, first, count), &all[first..first + count]);
+    }
+}
+
+fn rectangle(cell: CellType, width: f64, height: f64) -> Vec<[f64; 2]> {
+    let corners = [[3.0, 4.0], [3.0 + width, 4.0], [3.0 + width, 4.0 + height], [3.0, 4.0 + height]];
+    let triangle = [corners[0], corners[1], corners[3]];
+    straight_cell(cell, if cell.is_triangle() { &triangle } else { &corners })
+}
+
+fn cut(cell: CellType, pixels: &[[f64; 2]], rule: Rule, density: f64) -> Subdivision {
+    Subdivision::of_cell(cell, pixels, rule, density)
+}
+
+#[test]
+fn the_edges_rule_counts_whole_pixels_along_the_edges() {
+    for cell in [CellType::Quad, CellType::Quad8, CellType::Quad9] {
+        let pixels = rectangle(cell, 12.7, 5.2);
+        assert_eq!(cut(cell, &pixels, Rule::Edges, 1.0), Subdivision::Quad { nx: 12, ny: 5 });
+        assert_eq!(cut(cell, &pixels, Rule::Edges, 4.0), Subdivision::Quad { nx: 25, ny: 10 });
+        assert_eq!(cut(cell, &pixels, Rule::Edges, 1e-6), Subdivision::Quad { nx: 1, ny: 1 });
+    }
+    // Of two edges that face each other the shorter one counts.
+    let trapezium = [[0.0, 0.0], [9.0, 0.0], [6.0, 4.5], [2.0, 4.5]];
+    assert_eq!(cut(CellType::Quad, &trapezium, Rule::Edges, 1.0), Subdivision::Quad { nx: 4, ny: 4 });
+    for cell in [CellType::Triangle, CellType::Triangle6] {
+        // An area of 33.02 pixels, whichever way the triangle turns.
+        let mut pixels = rectangle(cell, 12.7, 5.2);
+        assert_eq!(cut(cell, &pixels, Rule::Edges, 1.0), Subdivision::Triangle { n: 5 });
+        pixels.iter_mut().for_each(|p| p[0] = -p[0]);
+        assert_eq!(cut(cell, &pixels, Rule::Edges, 1.0), Subdivision::Triangle { n: 5 });
+        assert_eq!(cut(cell, &pixels, Rule::Edges, 4.0), Subdivision::Triangle { n: 11 });
+    }
+}
+
+#[test]
+fn the_diameter_rule_cuts_every_edge_by_the_longest_distance() {
+    for cell in CellType::ALL {
+        // The diagonal is 13.72 pixels, and the longest edge of the triangle too.
+        let pixels = rectangle(cell, 12.7, 5.2);
+        let expected =
+            |n| if cell.is_triangle() { Subdivision::Triangle { n } } else { Subdivision::Quad { nx: n, ny: n } };
+        assert_eq!(cut(cell, &pixels, Rule::Diameter, 1.0), expected(14), "{cell}");
+        assert_eq!(cut(cell, &pixels, Rule::Diameter, 2.0), expected(20), "{cell}");
+    }
+}
+
+#[test]
+fn rules_have_names() {
+    assert_eq!("edges".parse::<Rule>().unwrap(), Rule::Edges);
+    assert_eq!("diameter".parse::<Rule>().unwrap(), Rule::Diameter);
+    assert_eq!(
+        "Edges".parse::<Rule>().unwrap_err(),
+        "unknown quadrature rule \"Edges\"; choose \"edges\" or \"diameter\""
+    );
+}
