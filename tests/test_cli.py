@@ -1,6 +1,7 @@
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -138,9 +139,24 @@ def test_progress_is_silent_when_stderr_is_no_terminal(
 ) -> None:
     monkeypatch.setattr("fedic.progress._PATIENCE_SECONDS", 0.0)
     with TerminalProgress("frame") as progress:
-        progress.iteration("correlation", 1, 2, 0.1, 3.0)
+        progress.iteration("solve", 1, 2, 0.1, 3.0)
+        time.sleep(0.2)
         progress.fraction(0.5)
     assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(("patience", "shown"), [(0.0, True), (60.0, False)])
+def test_progress_appears_on_a_terminal_when_work_lasts(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], patience: float, shown: bool
+) -> None:
+    monkeypatch.setattr("fedic.progress._PATIENCE_SECONDS", patience)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with TerminalProgress("frame") as progress:
+        time.sleep(0.3)
+        progress.iteration("pyramid", 1, 2, 0.125, 3.0)
+        time.sleep(0.3)
+    text = capsys.readouterr().err
+    assert ("frame: pyramid, level 1, iteration 2: correction 0.12 px, residual 3" in text) == shown
 
 
 def test_import_is_light() -> None:

@@ -1,8 +1,11 @@
 """Progress on the terminal, for operations that last."""
 
-import time
+import threading
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.text import Text
 
 __all__ = ["TerminalProgress"]
 
@@ -22,17 +25,25 @@ class TerminalProgress:
 
     def __init__(self, title: str) -> None:
         self._title = title
-        self._started = time.monotonic()
+        self._text = ""
         self._status: Any = None
+        self._over = False
+        self._lock = threading.Lock()
+        self._timer = threading.Timer(_PATIENCE_SECONDS, self._appear)
+        self._timer.daemon = True
 
     def __enter__(self) -> "TerminalProgress":
+        self._timer.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._status is not None:
-            self._status.stop()
+        self._timer.cancel()
+        with self._lock:
+            self._over = True
+            if self._status is not None:
+                self._status.stop()
 
     def iteration(self, stage: str, level: int, iteration: int, correction_px: float, residual_std: float) -> None:
         """Show where a correlation is.
@@ -50,6 +61,9 @@ class TerminalProgress:
         residual_std : float
             Standard deviation of the residual, in grey levels.
         """
+        if stage == "prepare":
+            self._show("reference prepared")
+            return
         where = f", level {level}" if level else ""
         self._show(
             f"{stage}{where}, iteration {iteration}: correction {correction_px:.2g} px, residual {residual_std:.3g}"
@@ -65,15 +79,21 @@ class TerminalProgress:
         """
         self._show(f"{done:.0%}")
 
-    def _show(self, text: str) -> None:
-        if time.monotonic() - self._started < _PATIENCE_SECONDS:
-            return
+    def _appear(self) -> None:
         from rich.console import Console
+
+        with self._lock:
+            if not self._over:
+                self._status = Console(stderr=True).status(self._line())
+                self._status.start()
+
+    def _show(self, text: str) -> None:
+        with self._lock:
+            self._text = text
+            if self._status is not None:
+                self._status.update(self._line())
+
+    def _line(self) -> "Text":
         from rich.text import Text
 
-        line = Text(f"{self._title}: {text}")
-        if self._status is None:
-            self._status = Console(stderr=True).status(line)
-            self._status.start()
-        else:
-            self._status.update(line)
+        return Text(f"{self._title}: {self._text or 'preparing'}")
