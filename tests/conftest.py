@@ -1,5 +1,6 @@
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,15 @@ def shared_data() -> Callable[[str], Path]:
         return path
 
     return find
+
+
+@pytest.fixture(scope="session")
+def gmsh() -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        pytest.skip(f"gmsh or one of its system libraries is not on this machine: {error}")
+    return gmsh
 
 
 @pytest.fixture(scope="session")

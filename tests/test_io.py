@@ -1,6 +1,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import cv2
 import meshio
@@ -140,8 +141,7 @@ def test_surface_cells_are_kept_with_all_nodes(tmp_path: Path, suffix: str, file
 
 @pytest.mark.parametrize("version", [2.2, 4.1])
 @pytest.mark.parametrize("binary", [0, 1])
-def test_files_of_gmsh_are_read(tmp_path: Path, version: float, binary: int) -> None:
-    gmsh = pytest.importorskip("gmsh", exc_type=ImportError)
+def test_files_of_gmsh_are_read(tmp_path: Path, gmsh: Any, version: float, binary: int) -> None:
     gmsh.initialize([], readConfigFiles=False, interruptible=False)
     try:
         for name, value in (("General.Terminal", 0), ("Mesh.MshFileVersion", version), ("Mesh.Binary", binary)):
@@ -274,8 +274,8 @@ HOLE = np.column_stack([50.0 + 20.0 * np.cos(ANGLES), 40.0 + 20.0 * np.sin(ANGLE
 
 @pytest.mark.parametrize("cell", ["triangle", "triangle6", "quad", "quad8", "quad9"])
 @pytest.mark.parametrize("hole", [HOLE, HOLE[:-1]], ids=["even", "odd"])
+@pytest.mark.usefixtures("gmsh")
 def test_unstructured_mesh_covers_the_polygon(cell: str, hole: np.ndarray) -> None:
-    pytest.importorskip("gmsh", exc_type=ImportError)
     mesh = fedic.unstructured_mesh(SQUARE, 8.3, cell, [hole])  # type: ignore[arg-type]
     assert list(mesh.cells) == [cell]
     assert mesh.used_nodes.all()
@@ -286,8 +286,7 @@ def test_unstructured_mesh_covers_the_polygon(cell: str, hole: np.ndarray) -> No
     np.testing.assert_array_equal(again.points, mesh.points)
 
 
-def test_unstructured_mesh_leaves_gmsh_as_it_was(capfd: pytest.CaptureFixture[str]) -> None:
-    gmsh = pytest.importorskip("gmsh", exc_type=ImportError)
+def test_unstructured_mesh_leaves_gmsh_as_it_was(gmsh: Any, capfd: pytest.CaptureFixture[str]) -> None:
     fedic.unstructured_mesh(SQUARE, 20.0)
     assert not gmsh.isInitialized()
     gmsh.initialize([], readConfigFiles=False, interruptible=False)
@@ -312,8 +311,8 @@ def test_unstructured_mesh_leaves_gmsh_as_it_was(capfd: pytest.CaptureFixture[st
         (SQUARE, [[(1, 2, 3)]], r"holes\[0\] has shape"),
     ],
 )
+@pytest.mark.usefixtures("gmsh")
 def test_unstructured_mesh_refuses_bad_polygons(outline: list, holes: list, message: str) -> None:
-    pytest.importorskip("gmsh", exc_type=ImportError)
     with pytest.raises(fedic.MeshError, match=message):
         fedic.unstructured_mesh(outline, 10.0, "triangle", holes)
 
