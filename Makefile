@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-CARGO_TEST := --workspace --exclude fedic-py
+CARGO_TEST := --workspace --exclude fedic-py --exclude fedic-benches
 
 .DEFAULT_GOAL := help
 .PHONY: help setup build demo test test-rust test-python check format doc bench clean

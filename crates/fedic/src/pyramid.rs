@@ -12,11 +12,12 @@ use crate::residual::Evaluator;
 use crate::system::System;
 use crate::{Brightness, COMPONENTS, Error, Gradient, Hessian, Iteration, Monitor, Quadrature, Sampler};
 
-/// The mesh must span at least this many pixels of the coarsest image.
-const MIN_SPAN: f64 = 24.0;
-const MAX_LEVELS: usize = 7;
-/// Wavelength below which the displacement is smoothed, in pixels of each level.
-const WAVELENGTH: f64 = 16.0;
+/// The mesh must span at least this many pixels of the coarsest image: few enough that any motion that leaves the mesh in
+/// the image is of the order of one of them.
+const MIN_SPAN: f64 = 6.0;
+const MAX_LEVELS: usize = 12;
+/// Wavelength below which the displacement is smoothed, in pixels of each level: the coarsest can only move as a whole.
+const WAVELENGTH: f64 = 24.0;
 /// In pixels of each level: the next one starts within its reach.
 const TOLERANCE: f64 = 0.03;
 const MAX_ITERATIONS: usize = 40;

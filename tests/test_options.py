@@ -1,0 +1,102 @@
+"""What each option of a correlation changes, and what it must not."""
+
+import numpy as np
+import pytest
+
+import fedic
+
+SPECKLE = fedic.synthetic.Speckle(5.0, seed=8)
+FRAME = fedic.ImageFrame()
+MESH = fedic.rectangle_mesh((30.4, 25.3, 210.8, 165.9), 20.0)
+
+
+def motion(points: np.ndarray) -> np.ndarray:
+    return (points - (120, 95)) @ np.array([[0.004, 0.001], [-0.002, -0.003]]) + (1.4, -0.8)
+
+
+@pytest.fixture(scope="module")
+def pair() -> tuple[np.ndarray, np.ndarray]:
+    render = fedic.synthetic.render
+    reference = render(SPECKLE, FRAME, (190, 240), bits=16)
+    return reference, render(SPECKLE, FRAME, (190, 240), displacement=motion, bits=16)
+
+
+def errors(pair: tuple[np.ndarray, np.ndarray], **options: object) -> np.ndarray:
+    result = fedic.correlate(*pair, MESH, tolerance=1e-6, **options)  # type: ignore[arg-type]
+    assert result.converged
+    return result.displacement - motion(MESH.points)
+
+
+def test_global_brightness_undoes_any_gain_and_offset(pair: tuple[np.ndarray, np.ndarray]) -> None:
+    darker = (0.7 * pair[1] + 900.0).astype(np.float32)
+    plain, corrected = errors(pair), errors((pair[0], darker))
+    np.testing.assert_allclose(corrected, plain, atol=1e-5)
+    assert np.abs(errors((pair[0], darker), brightness=None)).max() > 3 * np.abs(plain).max()
+
+
+def test_element_brightness_undoes_uneven_light(pair: tuple[np.ndarray, np.ndarray]) -> None:
+    light = 1.0 + 0.3 * np.sin(np.arange(240) / 80.0)
+    uneven = (pair[0], (pair[1] * light * 0.7).astype(np.float32))
+    everywhere, by_element = errors(uneven), errors(uneven, brightness="element")
+    assert by_element.std() < 0.5 * everywhere.std()
+    assert by_element.std() < 0.02
+
+
+def test_the_hessian_changes_the_way_and_not_the_end() -> None:
+    """A close camera: its Jacobian changes by several per cent over the motion."""
+    camera = fedic.Pinhole((300, 300), (120, 95), rotation=[np.pi + 0.3, 0.2, 0.0], translation=(0.0, 0.0, 1.0))
+    texture = fedic.synthetic.Speckle(0.02, seed=9)
+    images = [fedic.synthetic.render(texture, camera, (190, 240), displacement=s) for s in (None, (0.02, 0.01))]
+    mesh = fedic.rectangle_mesh((-0.2, -0.15, 0.2, 0.15), 0.06)
+    results = [
+        fedic.correlate(images[0], images[1], mesh, camera, hessian=h, initial="pyramid", tolerance=1e-6)
+        for h in ("initial", "updated")
+    ]
+    assert all(result.converged for result in results)
+    difference = results[0].pixel_displacement - results[1].pixel_displacement
+    assert np.abs(difference).max() < 1e-5
+    np.testing.assert_allclose(results[0].displacement.mean(0), (0.02, 0.01), atol=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("options", "largest"),
+    [
+        ({"interpolation": "bspline5"}, 0.003),
+        ({"interpolation": "bspline3"}, 0.005),
+        ({"interpolation": "bicubic"}, 0.05),
+        ({"interpolation": "bilinear", "prefilter": 1.0}, 0.05),
+        ({"gradient": "finite-difference"}, 0.005),
+        ({"prefilter": 0.8}, 0.003),
+        ({"quadrature": fedic.MeshQuadrature(density=2.0)}, 0.005),
+    ],
+)
+def test_every_option_measures(pair: tuple[np.ndarray, np.ndarray], options: dict[str, object], largest: float) -> None:
+    found = errors(pair, **options, max_iterations=200)
+    assert np.abs(found).max() < largest
+
+
+def test_the_pyramid_reaches_further_than_zero() -> None:
+    far = np.array([28.0, -21.0])
+
+    def field(points: np.ndarray) -> np.ndarray:
+        return 0.02 * (points - (200, 160)) + far
+
+    reference = fedic.synthetic.render(SPECKLE, FRAME, (320, 400))
+    deformed = fedic.synthetic.render(SPECKLE, FRAME, (320, 400), displacement=field)
+    mesh = fedic.rectangle_mesh((60, 60, 340, 260), 20)
+    result = fedic.correlate(reference, deformed, mesh, initial="pyramid")
+    assert result.converged
+    assert {iteration.level for iteration in result.history} == {0, 1, 2, 3, 4, 5}
+    assert np.abs(result.displacement - field(mesh.points)).max() < 0.05
+    try:
+        lost = fedic.correlate(reference, deformed, mesh)
+    except fedic.SolveError:
+        return
+    assert np.abs(lost.displacement - field(mesh.points)).max() > 1.0
+
+
+def test_a_given_start_saves_iterations(pair: tuple[np.ndarray, np.ndarray]) -> None:
+    close = motion(MESH.points)
+    from_zero, from_close = (fedic.correlate(*pair, MESH, initial=start) for start in (None, close))
+    assert from_close.iterations < from_zero.iterations
+    np.testing.assert_allclose(from_close.displacement, from_zero.displacement, atol=1e-4)
