@@ -23,7 +23,7 @@ fn quadrature(c: &mut Criterion) {
         ("quad/edges", drawn(CellType::Quad), edges),
         ("quad/diameter", drawn(CellType::Quad), diameter),
         ("quad/pixel", drawn(CellType::Quad), Quadrature::Pixel),
-        ("quad/edges, pinhole", seen, edges),
+        ("quad/edges/pinhole", seen, edges),
         ("triangle/edges", drawn(CellType::Triangle), edges),
         ("quad9/edges", drawn(CellType::Quad9), edges),
     ];

@@ -29,9 +29,10 @@ ELEMENT = 20
 
 
 class Package(NamedTuple):
-    """A package to compare: its script, its distribution, an option of the script, the name of the field it leaves."""
+    """A package to compare: script, module, distribution, option of the script, name of the field it leaves."""
 
     script: str
+    module: str
     distribution: str
     option: str = ""
     displacement: str = "displacement"
@@ -42,11 +43,11 @@ class Package(NamedTuple):
         return f"{self.distribution} {self.option}".strip()
 
 
-FEDIC = Package("pair_fedic.py", "fedic", displacement="pixel_displacement")
+FEDIC = Package("pair_fedic.py", "fedic", "fedic", displacement="pixel_displacement")
 PEERS = (
-    Package("pair_pyvale.py", "pyvale"),
-    Package("pair_pyxel.py", "pyxel-dic"),
-    Package("pair_pyxel.py", "pyxel-dic", "full"),
+    Package("pair_pyvale.py", "pyvale.dic", "pyvale"),
+    Package("pair_pyxel.py", "pyxel", "pyxel-dic"),
+    Package("pair_pyxel.py", "pyxel", "pyxel-dic", "full"),
 )
 
 
@@ -96,11 +97,14 @@ def repeated(python: str, package: Package, images: Pair, folder: Path, repetiti
     return {**next(one for one in runs if one["seconds"] == middle), "all_seconds": [one["seconds"] for one in runs]}
 
 
-def version(python: str, distribution: str) -> str | None:
-    """Return the version of a distribution in the environment of an interpreter, or None where it is missing."""
-    code = f"import importlib.metadata as m; print(m.version({distribution!r}))"
+def version(python: str, package: Package) -> str | None:
+    """Return the version of a package in the environment of an interpreter, or None where it cannot be imported.
+
+    The import also spares the run that follows the first reading of its files from the disk.
+    """
+    code = f"import {package.module}, importlib.metadata as m; print(m.version({package.distribution!r}))"
     found = subprocess.run([python, "-c", code], capture_output=True, text=True, check=False)
-    return found.stdout.strip() or None
+    return found.stdout.split()[-1] if found.returncode == 0 else None
 
 
 def machine() -> dict[str, Any]:
@@ -175,7 +179,7 @@ def main() -> int:
         plan = [(FEDIC, sys.executable, given.repetitions)]
         plan += [] if given.no_peers else [(peer, given.peer_python, 1) for peer in PEERS]
         for package, python, repetitions in plan:
-            installed = version(python, package.distribution)
+            installed = version(python, package)
             if installed is None:
                 rows[package.name] = {"missing": f"pip install {package.distribution}, then --peer-python"}
                 continue

@@ -1,7 +1,7 @@
 """Make the synthetic pair that the packages are compared on: python make_pair.py [--megapixels 5] [--folder FOLDER].
 
-A speckle on a flat specimen, at rest and after a smooth stretch and shift of at most three pixels, small enough for every
-package to converge from zero. 8 bits, uncompressed TIFF. A pair is made once and kept by its name.
+A speckle on a flat specimen, at rest and after a smooth stretch and shift of at most three pixels, small enough for
+every package to converge from zero. 8 bits, uncompressed TIFF. A pair is made once and kept by its name.
 """
 
 import argparse

@@ -16,6 +16,12 @@ pub trait Camera: Send + Sync {
         None
     }
 
+    /// Whether the lens model folds between the optical axis and this point: the pixel it projects to is not where a real
+    /// lens would show it.
+    fn is_beyond_fold(&self, _point: [f64; 3]) -> bool {
+        false
+    }
+
     /// World point of the plane `Z = z` seen at `pixel` by this camera without its lens distortion: exact for a camera
     /// that has none, the start of the Newton iteration of [`unproject`](crate::unproject) for the others.
     fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3];

@@ -28,6 +28,15 @@ pub fn rotation_from_vector(vector: [f64; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]))
 }
 
+/// Entries of the intrinsic matrix; at a right angle without the rounding of its tangent.
+fn intrinsic([fx, fy]: [f64; 2], skew_angle: f64) -> [f64; 3] {
+    if skew_angle == std::f64::consts::FRAC_PI_2 {
+        [fx, 0.0, fy]
+    } else {
+        [fx, fx / skew_angle.tan(), fy / skew_angle.sin()]
+    }
+}
+
 impl Pinhole {
     /// A camera of focal lengths `[fx, fy]` and principal point `[cx, cy]`, in pixels, without skew or distortion.
     ///
@@ -71,8 +80,8 @@ impl Pinhole {
         if deviation > ROTATION_TOLERANCE {
             return Err(CameraError::NotARotation { deviation });
         }
-        let intrinsic = [focal[0], 0.0, focal[1]];
         let skew_angle = std::f64::consts::FRAC_PI_2;
+        let intrinsic = intrinsic(focal, skew_angle);
         Ok(Self { focal, principal_point, rotation, translation, skew_angle, distortion: None, intrinsic })
     }
 
@@ -85,11 +94,8 @@ impl Pinhole {
         if !(skew_angle > 0.0 && skew_angle < std::f64::consts::PI) {
             return Err(CameraError::SkewAngle { value: skew_angle });
         }
-        let [fx, fy] = self.focal;
         self.skew_angle = skew_angle;
-        if skew_angle != std::f64::consts::FRAC_PI_2 {
-            self.intrinsic = [fx, fx / skew_angle.tan(), fy / skew_angle.sin()];
-        }
+        self.intrinsic = intrinsic(self.focal, skew_angle);
         Ok(self)
     }
 
@@ -178,6 +184,10 @@ impl Camera for Pinhole {
         let jacobian = pixel_by_retinal
             .map(|[px, py]| std::array::from_fn(|d| px * retinal_by_world[0][d] + py * retinal_by_world[1][d]));
         (self.pixel(seen), jacobian)
+    }
+
+    fn is_beyond_fold(&self, point: [f64; 3]) -> bool {
+        self.distortion.is_some_and(|lens| lens.folds_within(self.retinal(point).0))
     }
 
     fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {

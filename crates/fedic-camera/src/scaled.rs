@@ -32,6 +32,10 @@ impl Camera for Scaled {
         self.camera.constant_jacobian().map(|j| j.map(|row| row.map(|c| c * self.factor)))
     }
 
+    fn is_beyond_fold(&self, point: [f64; 3]) -> bool {
+        self.camera.is_beyond_fold(point)
+    }
+
     fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3] {
         self.camera.unproject_linear(pixel.map(|c| c / self.factor), z)
     }

@@ -8,7 +8,7 @@ const TOLERANCE_PX: f64 = 1e-11;
 const ROUNDING: f64 = 1e-13;
 
 /// World point of the plane `Z = z` that `camera` sees at `pixel`, by Newton's method on `x - P(X) = 0`
-/// (paper, Sect. 5.2); `None` where it does not converge.
+/// (paper, Sect. 5.2); `None` where it does not converge, or to a point beyond a fold of the lens model.
 ///
 /// # Examples
 ///
@@ -19,6 +19,10 @@ const ROUNDING: f64 = 1e-13;
 /// # Ok::<(), fedic_camera::CameraError>(())
 /// ```
 pub fn unproject<C: Camera + ?Sized>(camera: &C, pixel: [f64; 2], z: f64) -> Option<[f64; 3]> {
+    newton(camera, pixel, z).filter(|&point| !camera.is_beyond_fold(point))
+}
+
+fn newton<C: Camera + ?Sized>(camera: &C, pixel: [f64; 2], z: f64) -> Option<[f64; 3]> {
     let mut point = camera.unproject_linear(pixel, z);
     let mut best = f64::INFINITY;
     for _ in 0..MAX_NEWTON {

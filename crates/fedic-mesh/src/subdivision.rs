@@ -11,7 +11,9 @@ pub enum Rule {
     /// about one point per pixel, never more along an edge.
     #[default]
     Edges,
-    /// The paper's: every edge by the largest distance between two nodes, about two points per pixel.
+    /// The paper's: every edge by the largest distance between two nodes, about two points per pixel. In a quad also by the
+    /// diagonals of the parallelograms that its corners span, longer where opposite edges differ: no part is then longer
+    /// than a pixel, and no pixel without a point.
     Diameter,
 }
 
@@ -50,7 +52,7 @@ impl Subdivision {
         let per_length = density.sqrt();
         match rule {
             Rule::Diameter => {
-                let n = whole((diameter(pixels) * per_length).ceil());
+                let n = whole((diameter(cell_type, pixels) * per_length).ceil());
                 if cell_type.is_triangle() { Self::Triangle { n } } else { Self::Quad { nx: n, ny: n } }
             }
             Rule::Edges if cell_type.is_triangle() => {
@@ -145,9 +147,18 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-fn diameter(pixels: &[[f64; 2]]) -> f64 {
+/// Largest distance between two nodes, or across a parallelogram on two edges of a quad.
+fn diameter(cell_type: CellType, pixels: &[[f64; 2]]) -> f64 {
     let pairs = pixels.iter().enumerate().flat_map(|(i, &a)| pixels[..i].iter().map(move |&b| distance(a, b)));
-    pairs.fold(0.0, f64::max)
+    let between_nodes = pairs.fold(0.0, f64::max);
+    if cell_type.is_triangle() {
+        return between_nodes;
+    }
+    let fourth = |k: usize| {
+        let [before, corner, after] = [k + 3, k, k + 1].map(|c| pixels[c % 4]);
+        distance(corner, [before[0] + after[0] - corner[0], before[1] + after[1] - corner[1]])
+    };
+    (0..4).map(fourth).fold(between_nodes, f64::max)
 }
 
 /// Length of the edge that starts at corner `from`, through its middle node where it has one.

@@ -104,8 +104,11 @@ fn first_moments_of_a_straight_quad_converge_at_second_order() {
 #[test]
 fn area_and_first_moments_of_a_curved_cell_converge_at_second_order() {
     for cell in [CellType::Triangle6, CellType::Quad8, CellType::Quad9] {
-        let corners: &[[f64; 2]] =
-            if cell.is_triangle() { &[[0.0, 0.0], [4.0, 0.5], [1.0, 3.0]] } else { &[[0.0, 0.0], [4.0, 0.5], [5.0, 3.0], [-0.5, 2.0]] };
+        let corners: &[[f64; 2]] = if cell.is_triangle() {
+            &[[0.0, 0.0], [4.0, 0.5], [1.0, 3.0]]
+        } else {
+            &[[0.0, 0.0], [4.0, 0.5], [5.0, 3.0], [-0.5, 2.0]]
+        };
         let mut nodes = straight_cell(cell, corners);
         for (k, node) in nodes[cell.num_corners()..].iter_mut().enumerate() {
             node[0] += 0.3 * (k as f64 + 1.0).sin();

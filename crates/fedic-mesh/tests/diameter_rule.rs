@@ -41,26 +41,69 @@ fn pixels_inside(outline: &[[f64; 2]]) -> Vec<[i32; 2]> {
     range(1).flat_map(|v| range(0).map(move |u| [u, v])).filter(inside).collect()
 }
 
-fn pixels_missed(seed: u64, cell: CellType, size: f64) -> Vec<[i32; 2]> {
-    let (mesh, outline) = jittered_mesh(&mut Random::new(seed), [7, 6], &[cell], size);
-    let found = pixels_with_points(&mesh);
-    pixels_inside(&outline).into_iter().filter(|pixel| !found.contains(pixel)).collect()
+fn pixels_missed(mesh: &Mesh, outline: &[[f64; 2]]) -> Vec<[i32; 2]> {
+    let found = pixels_with_points(mesh);
+    pixels_inside(outline).into_iter().filter(|pixel| !found.contains(pixel)).collect()
 }
 
-#[test]
-#[ignore]
-fn survey() {
-    for cell in [CellType::Triangle, CellType::Quad] {
-        let (mut meshes, mut failed, mut pixels, mut missed) = (0, 0, 0, 0);
-        for seed in 0..20000_u64 {
-            let size = 2.0 * 15.0_f64.powf(Random::new(seed ^ 0xabcdef).between(0.0, 1.0));
-            let (_, outline) = jittered_mesh(&mut Random::new(seed), [7, 6], &[cell], size);
-            let n = pixels_missed(seed, cell, size).len();
-            meshes += 1;
-            pixels += pixels_inside(&outline).len();
-            missed += n;
-            failed += usize::from(n > 0);
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn every_pixel_inside_a_random_mesh_holds_a_point(seed: u64, magnitude in 0.0..1.0, kind in 0_usize..3) {
+        let types = [&[CellType::Triangle][..], &[CellType::Quad], &[CellType::Triangle, CellType::Quad]][kind];
+        // From 2 to 30 pixels.
+        let size = 2.0 * 15.0_f64.powf(magnitude);
+        let (mesh, outline) = jittered_mesh(&mut Random::new(seed), [7, 6], types, size);
+        prop_assert_eq!(pixels_missed(&mesh, &outline), Vec::<[i32; 2]>::new());
+    }
+
+    /// The worst that triangles can do: their longest edge a whole number of pixels, all of one shape. The largest square
+    /// without a point then grows up to one pixel (upright triangles nearly equilateral), never beyond.
+    #[test]
+    fn triangles_of_a_whole_number_of_pixels_leave_no_pixel_out(
+        apex in [0.0..1.0, 0.02..0.866],
+        angle in 0.0..std::f64::consts::TAU,
+        parts in 2_u32..6,
+        origin in [-0.5..0.5, -0.5..0.5],
+    ) {
+        let [x, y]: [f64; 2] = apex;
+        prop_assume!(x.hypot(y) <= 1.0 && (1.0 - x).hypot(y) <= 1.0);
+        let (sin, cos) = angle.sin_cos();
+        let size = f64::from(parts) * (1.0 - 1e-12);
+        let at = |[i, j]: [f64; 2]| {
+            let [s, t] = [size * (i + x * j), size * y * j];
+            [origin[0] + cos * s - sin * t, origin[1] + sin * s + cos * t]
+        };
+        let cells: Vec<i64> = (0..81)
+            .flat_map(|square| {
+                let first = square / 9 * 10 + square % 9;
+                [first, first + 1, first + 10, first + 1, first + 11, first + 10]
+            })
+            .collect();
+        let nodes = (0..100).map(|n| at([f64::from(n % 10), f64::from(n / 10)])).map(|[x, y]| [x, y, 0.0]).collect();
+        let mesh = Mesh::new(nodes, &[(CellType::Triangle, cells)]).unwrap();
+        let outline = [[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]].map(at);
+        prop_assert_eq!(pixels_missed(&mesh, &outline), Vec::<[i32; 2]>::new());
+    }
+
+    /// More than the promise, for quads: no place in one is further than half a pixel from the centre of its own part.
+    #[test]
+    fn every_part_of_a_quad_lies_within_half_a_pixel_of_its_centre(seed: u64, size in 1.5..30.0) {
+        let mut random = Random::new(seed);
+        let nodes = random.corners(CellType::Quad, size);
+        let Subdivision::Quad { nx, ny } = Subdivision::of_cell(CellType::Quad, &nodes, Rule::Diameter, 1.0) else {
+            panic!("a quad is cut into quads");
+        };
+        let edge = |part: usize, parts: u32| 2.0 * part as f64 / f64::from(parts) - 1.0;
+        for (i, j) in (0..ny as usize).flat_map(|j| (0..nx as usize).map(move |i| (i, j))) {
+            let [west, east, south, north] = [edge(i, nx), edge(i + 1, nx), edge(j, ny), edge(j + 1, ny)];
+            let centre = map(CellType::Quad, &nodes, [0.5 * (west + east), 0.5 * (south + north)]);
+            for corner in [[west, south], [east, south], [east, north], [west, north]] {
+                let [u, v] = map(CellType::Quad, &nodes, corner);
+                let distance = (u - centre[0]).hypot(v - centre[1]);
+                prop_assert!(distance < 0.5 + 1e-9, "{distance}");
+            }
         }
-        println!("{cell}: {failed}/{meshes} meshes, {missed}/{pixels} pixels");
     }
 }

@@ -66,7 +66,7 @@ proptest! {
     #[test]
     fn gradients_are_the_derivatives(cell in any_cell(), [x, y] in any_point(), step in 0.2..0.8) {
         let exact = shape_gradients(cell, [x, y]);
-        let difference = |forward: [f64; MAX_NODES], back: [f64; MAX_NODES], node: usize| {
+        let difference = |forward: [f64; MAX_NODES], back: [f64; MAX_NODES], node: usize| -> f64 {
             (forward[node] - back[node]) / (2.0 * step)
         };
         let along_x = [shape_values(cell, [x + step, y]), shape_values(cell, [x - step, y])];

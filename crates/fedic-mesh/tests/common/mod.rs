@@ -46,8 +46,7 @@ impl Random {
         let (sin, cos) = self.between(0.0, std::f64::consts::TAU).sin_cos();
         let (shear, aspect) = (self.between(-0.8, 0.8), self.between(0.6, 1.6));
         let stretched = [[aspect, shear], [0.0, 1.0 / aspect]];
-        let row =
-            |a: f64, b: f64| [0, 1].map(|column| size * (a * stretched[0][column] + b * stretched[1][column]));
+        let row = |a: f64, b: f64| [0, 1].map(|column| size * (a * stretched[0][column] + b * stretched[1][column]));
         [row(cos, -sin), row(sin, cos)]
     }
 
@@ -129,7 +128,8 @@ pub(crate) fn mesh_of_grid(
             let cell_type = types[random.index(types.len())];
             let turned = random.index(4);
             let [a, b, c, d] = std::array::from_fn(|k| square[(k + turned) % 4]);
-            let corners: &[&[usize]] = if cell_type.is_triangle() { &[&[a, b, c], &[a, c, d]] } else { &[&[a, b, c, d]] };
+            let corners: &[&[usize]] =
+                if cell_type.is_triangle() { &[&[a, b, c], &[a, c, d]] } else { &[&[a, b, c, d]] };
             for corners in corners {
                 let mut corners = corners.to_vec();
                 if random.index(2) == 0 {

@@ -1,0 +1,45 @@
+//! The same bits whatever the number of threads, and from one run to the next.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{Motion, mixed_mesh, render};
+use fedic::{Brightness, Correlator, Hessian, Image, ImageFrame, Options, Quadrature, Rule, Solution, Speckle, Start};
+
+/// Everything in a solution that is a number, as bits: NaN equals NaN.
+fn bits(solution: &Solution) -> Vec<u64> {
+    let fields = solution.displacement.iter().chain(&solution.pixel_displacement).flatten();
+    let iterations = solution.history.iter().flat_map(|i| [&i.correction, &i.residual_std]);
+    let numbers = fields.chain(iterations).chain(&solution.cell_residuals).chain([&solution.residual_std]);
+    let counts = solution.history.iter().flat_map(|i| [i.level as u64, i.iteration as u64]);
+    numbers.map(|number| number.to_bits()).chain(counts).collect()
+}
+
+fn solve(images: &[Image; 2], options: &Options, num_threads: Option<usize>) -> Solution {
+    // More cells than one thread takes at once.
+    let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
+    let options = Options { num_threads, ..options.clone() };
+    let correlator = Correlator::new(images[0].view(), &mesh, Arc::new(ImageFrame), options, &()).unwrap();
+    correlator.correlate(images[1].view(), Start::Pyramid, &()).unwrap()
+}
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    let motion = Motion { gradient: [[1.01, 0.003], [-0.004, 0.995]], shift: [3.3, -2.6], centre: [100.0; 2] };
+    let images = render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), motion);
+    let mesh_rule = |rule| Quadrature::Mesh { rule, density: 1.0 };
+    for quadrature in [mesh_rule(Rule::Edges), mesh_rule(Rule::Diameter), Quadrature::Pixel] {
+        for (brightness, hessian) in [(Brightness::Global, Hessian::Initial), (Brightness::Element, Hessian::Updated)] {
+            let options = Options { quadrature, brightness, hessian, ..Options::default() };
+            let alone = solve(&images, &options, Some(1));
+            assert!(alone.converged && alone.history.iter().any(|i| i.level > 0), "{:?}", alone.history);
+            for num_threads in [Some(1), Some(2), Some(4), None] {
+                let together = solve(&images, &options, num_threads);
+                assert_eq!(bits(&together), bits(&alone), "{quadrature:?}, {num_threads:?} threads");
+            }
+        }
+    }
+}

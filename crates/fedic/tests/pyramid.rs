@@ -1,0 +1,48 @@
+//! Large displacements: found from a coarse-to-fine start, and not from zero.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{Motion, largest_error, mixed_mesh, render};
+use fedic::{Correlator, ImageFrame, Options, Speckle, Start};
+
+#[test]
+fn the_pyramid_finds_what_zero_does_not() {
+    let motion = Motion { gradient: [[1.02, 0.0], [0.0, 0.994]], shift: [13.0, -7.5], centre: [120.0; 2] };
+    let images = render(&ImageFrame, [240, 240], Speckle::new(5.0, 0.5, 8).unwrap(), motion);
+    let mesh = mixed_mesh([32.4, 33.1], 8, 21.0);
+    let correlator = Correlator::new(images[0].view(), &mesh, Arc::new(ImageFrame), Options::default(), &()).unwrap();
+
+    let coarse_to_fine = correlator.correlate(images[1].view(), Start::Pyramid, &()).unwrap();
+    assert!(coarse_to_fine.converged);
+    let error = largest_error(&mesh, &coarse_to_fine.displacement, motion);
+    assert!(error < 1e-2, "{error:e}");
+    let levels: Vec<usize> = coarse_to_fine.history.iter().map(|i| i.level).collect();
+    assert!(levels.is_sorted_by(|a, b| a >= b) && levels[0] > 1 && levels.ends_with(&[0]), "{levels:?}");
+    assert_eq!(coarse_to_fine.iterations, levels.iter().filter(|&&level| level == 0).count());
+
+    // It may say that it converged, or that it did not; what it finds is not the motion.
+    if let Ok(from_zero) = correlator.correlate(images[1].view(), Start::Zero, &()) {
+        assert!(largest_error(&mesh, &from_zero.displacement, motion) > 1.0);
+        assert!(from_zero.residual_std > 5.0 * coarse_to_fine.residual_std);
+    }
+
+    // A field is a start as good as the pyramid's.
+    let near: Vec<[f64; 2]> = mesh.points().iter().map(|p| motion.displacement([p[0] + 1.0, p[1]])).collect();
+    let from_field = correlator.correlate(images[1].view(), Start::Field(&near), &()).unwrap();
+    assert!(from_field.converged && largest_error(&mesh, &from_field.displacement, motion) < 1e-2);
+    assert!(from_field.history.iter().all(|i| i.level == 0));
+}
+
+#[test]
+fn a_mesh_too_small_for_a_pyramid_starts_from_zero() {
+    let motion = Motion::translation([0.4, 0.3]);
+    let images = render(&ImageFrame, [80, 80], Speckle::new(5.0, 0.5, 8).unwrap(), motion);
+    let mesh = mixed_mesh([30.2, 30.4], 1, 11.0);
+    let correlator = Correlator::new(images[0].view(), &mesh, Arc::new(ImageFrame), Options::default(), &()).unwrap();
+    let start = |start| correlator.correlate(images[1].view(), start, &()).unwrap();
+    assert_eq!(start(Start::Pyramid), start(Start::Zero));
+}
