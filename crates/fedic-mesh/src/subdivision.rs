@@ -11,9 +11,9 @@ pub enum Rule {
     /// about one point per pixel, never more along an edge.
     #[default]
     Edges,
-    /// The paper's: every edge by the largest distance between two nodes, about two points per pixel. In a quad also by the
-    /// diagonals of the parallelograms that its corners span, longer where opposite edges differ: no part is then longer
-    /// than a pixel, and no pixel without a point.
+    /// The paper's: every edge by the largest distance between two nodes, at least two points per pixel (four in a
+    /// triangle). In a quad also by the diagonals of the parallelograms that its corners span, longer where opposite edges
+    /// differ: no part is then longer than a pixel, and no pixel without a point.
     Diameter,
 }
 

@@ -21,13 +21,13 @@ fn mixed_mesh(random: &mut Random, size: f64) -> (Mesh, Vec<[f64; 2]>) {
     } else {
         &[CellType::Triangle, CellType::Quad]
     };
-    let (mesh, outline) = jittered_mesh(random, [6, 5], types, size);
+    let (mesh, outline) = jittered_mesh(random, [6, 5], types, size, 0.15);
     let mut points = mesh.points().to_vec();
     for point in points.iter_mut().skip(7 * 6) {
         let place = [point[0], point[1]];
         if common::depth_in_convex(&outline, place) > 1e-6 * size {
-            point[0] += random.between(-0.04, 0.04) * size;
-            point[1] += random.between(-0.04, 0.04) * size;
+            point[0] += random.between(-0.02, 0.02) * size;
+            point[1] += random.between(-0.02, 0.02) * size;
         }
     }
     let blocks: Vec<_> =

@@ -74,7 +74,7 @@ proptest! {
     #[test]
     fn cells_of_any_mesh_share_out_its_pixels(seed: u64, size in 1.0..12.0) {
         let types = [CellType::Triangle, CellType::Triangle6, CellType::Quad, CellType::Quad8, CellType::Quad9];
-        let (mesh, outline) = jittered_mesh(&mut Random::new(seed), [6, 5], &types, size);
+        let (mesh, outline) = jittered_mesh(&mut Random::new(seed), [6, 5], &types, size, 0.24);
         check_partition(&mesh, &outline)?;
     }
 
@@ -101,6 +101,22 @@ proptest! {
         let mut together: Vec<[i32; 2]> = owners(&mesh).into_keys().collect();
         together.sort_unstable_by_key(|&[u, v]| (v, u));
         prop_assert_eq!(together, pixels(&outline));
+    }
+
+    /// Where rounding decides on which side of a shared edge a pixel lies, both cells must agree.
+    #[test]
+    fn a_pixel_on_a_shared_edge_belongs_to_one_of_its_cells(
+        pixel in [-50_i32..50, -50_i32..50],
+        direction in [-1.0..1.0_f64, 0.1..1.0],
+        before in 0.5..9.0_f64,
+        after in 0.5..9.0_f64,
+    ) {
+        let [u, v] = pixel.map(f64::from);
+        let [dx, dy] = direction;
+        let (a, b) = ([u - before * dx, v - before * dy], [u + after * dx, v + after * dy]);
+        let (left, right) = ([u - 9.0 * dy, v + 9.0 * dx], [u + 9.0 * dy, v - 9.0 * dx]);
+        let found = [[a, b, left], [b, a, right]].map(|triangle| pixels(&triangle).contains(&pixel));
+        prop_assert!(found[0] != found[1], "{:?}", found);
     }
 
     /// Star-shaped polygons, most of them not convex.

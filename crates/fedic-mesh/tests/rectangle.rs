@@ -63,6 +63,16 @@ fn cells_fill_the_rectangle_and_share_their_edges() {
 }
 
 #[test]
+fn diagonals_of_triangles_alternate() {
+    let mesh = rectangle_mesh([0.0, 0.0, 5.0, 5.0], 1.0, CellType::Triangle).unwrap();
+    let mut triangles = [0; 36];
+    mesh.cells().flat_map(|cell| cell.nodes).for_each(|&node| triangles[node as usize] += 1);
+    for (i, j) in (1..5).flat_map(|j| (1..5).map(move |i| (i, j))) {
+        assert_eq!(triangles[6 * j + i], if (i + j) % 2 == 0 { 8 } else { 4 }, "node ({i}, {j})");
+    }
+}
+
+#[test]
 fn the_size_is_rounded_to_fit() {
     let mesh = |size| rectangle_mesh([0.0, 0.0, 10.0, 4.0], size, CellType::Quad).unwrap();
     assert_eq!(mesh(3.0).num_cells(), 3);

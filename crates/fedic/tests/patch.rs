@@ -18,6 +18,8 @@ const QUADRATURES: [Quadrature; 3] = [
     Quadrature::Pixel,
 ];
 
+const MOST_ITERATIONS: usize = 6;
+
 fn options(quadrature: Quadrature) -> Options {
     Options { quadrature, interpolation: Interpolation::Bspline5, tolerance: 1e-5, ..Options::default() }
 }
@@ -26,6 +28,8 @@ fn measure(images: &[Image; 2], mesh: &Mesh, camera: &Arc<dyn Camera>, options: 
     let correlator = Correlator::new(images[0].view(), mesh, Arc::clone(camera), options, &()).unwrap();
     let solution = correlator.correlate(images[1].view(), Start::Zero, &()).unwrap();
     assert!(solution.converged, "{:?}", solution.history);
+    // A wrong gradient would still lead there, but slowly.
+    assert!(solution.iterations <= MOST_ITERATIONS, "{:?}", solution.history);
     assert!(solution.outside_cells.is_empty());
     solution
 }

@@ -22,6 +22,9 @@ fn the_pyramid_finds_what_zero_does_not() {
     assert!(error < 1e-2, "{error:e}");
     let levels: Vec<usize> = coarse_to_fine.history.iter().map(|i| i.level).collect();
     assert!(levels.is_sorted_by(|a, b| a >= b) && levels[0] > 1 && levels.ends_with(&[0]), "{levels:?}");
+    // Corrections are told in pixels of the full resolution: one of them is most of the motion.
+    let largest = coarse_to_fine.history.iter().map(|i| i.correction).fold(0.0, f64::max);
+    assert!((6.0..30.0).contains(&largest), "{largest}");
     assert_eq!(coarse_to_fine.iterations, levels.iter().filter(|&&level| level == 0).count());
 
     // It may say that it converged, or that it did not; what it finds is not the motion.

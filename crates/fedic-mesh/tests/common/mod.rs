@@ -173,22 +173,24 @@ impl Builder {
     }
 }
 
-/// A rotated and sheared grid of `[columns, rows]` squares of about `size` with its inner nodes jittered, and its outline.
+/// A rotated and sheared grid of `[columns, rows]` squares of about `size` with its inner nodes moved by up to `jitter` of
+/// it along either axis, and its outline. Squares stay convex for a jitter below 1/4.
 pub(crate) fn jittered_mesh(
     random: &mut Random,
     shape: [usize; 2],
     types: &[CellType],
     size: f64,
+    jitter: f64,
 ) -> (Mesh, Vec<[f64; 2]>) {
     let [[a, b], [c, d]] = random.affine(size);
     let origin = [random.between(-20.0, 20.0), random.between(-20.0, 20.0)];
     let at = |x: f64, y: f64| [origin[0] + a * x + b * y, origin[1] + c * x + d * y];
     let mesh = mesh_of_grid(random, shape, types, |random, [i, j]| {
-        let mut jitter = |k: usize, n: usize| {
+        let mut moved = |k: usize, n: usize| {
             let inner = k > 0 && k < n;
-            k as f64 + if inner { random.between(-0.24, 0.24) } else { 0.0 }
+            k as f64 + if inner { random.between(-jitter, jitter) } else { 0.0 }
         };
-        at(jitter(i, shape[0]), jitter(j, shape[1]))
+        at(moved(i, shape[0]), moved(j, shape[1]))
     });
     let [width, height] = shape.map(|n| n as f64);
     (mesh, vec![at(0.0, 0.0), at(width, 0.0), at(width, height), at(0.0, height)])
