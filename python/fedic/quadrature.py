@@ -21,8 +21,10 @@ class MeshQuadrature:
     density : float
         Scales the number of points; 1 aims at one point per pixel of the reference image.
     rule : {"edges", "diameter"}
-        ``"edges"`` cuts a quadrilateral by its own two edge lengths in the image. ``"diameter"`` cuts both directions
-        by the largest distance between two nodes: twice the points of ``"edges"`` for the same precision.
+        ``"edges"`` cuts each direction of a quadrilateral by the whole pixels in the shorter of its two edges, a
+        triangle by the root of its area: 0.8 to 1 point per pixel. ``"diameter"``, the paper's, cuts every edge by
+        the largest distance between two nodes, so that no pixel is without a point: at least 2 points per pixel in
+        quadrilaterals, 4 in triangles, for a noise lower by 1 to 2 %.
 
     Raises
     ------

@@ -17,6 +17,8 @@ use crate::{Pattern, SparseError, SymmetricMatrix};
 
 /// A pivot smaller than this fraction of its diagonal entry says that the unknown is not determined.
 const VANISHING_PIVOT: f64 = 1e-11;
+/// So does one smaller than this fraction of the largest diagonal entry: such small ones are made of rounding.
+const NEGLIGIBLE_PIVOT: f64 = 1e-10;
 
 /// The symbolic part of the factorisation: order of the unknowns and pattern of the factor, computed once per pattern.
 #[derive(Debug, Clone)]
@@ -70,7 +72,7 @@ impl Cholesky {
         let symbolic = SymbolicSparseColMatRef::new_checked(dofs, dofs, &self.column_starts, None, &self.row_indices);
         // Pivots below the floor are raised to it, so that the factorisation runs to its end and every undetermined
         // unknown can be named: in a semi-definite matrix the rest of the column vanishes with the pivot.
-        let floor = VANISHING_PIVOT * 1e-2 * largest;
+        let floor = 0.5 * NEGLIGIBLE_PIVOT * largest;
         let regularization =
             LltRegularization { dynamic_regularization_delta: floor, dynamic_regularization_epsilon: floor };
         let too_large = || SparseError::TooLarge { dofs };
