@@ -52,9 +52,8 @@ def test_other_python_threads_run_meanwhile(images: tuple[np.ndarray, np.ndarray
     end = time.perf_counter()
     over.set()
     thread.join()
-    during = sum(start < t < end for t in ticks)
-    assert end - start > 0.1
-    assert during > 0.2 * (end - start) / 0.002
+    # Were the interpreter lock held, at most one tick would fall between the two.
+    assert sum(start < t < end for t in ticks) > 10
 
 
 def test_ctrl_c_stops_a_correlation_within_a_second() -> None:

@@ -15,6 +15,9 @@ use crate::regularization::penalty_factor;
 use crate::system::System;
 use crate::{COMPONENTS, Error, Monitor, Quadrature, Sampler, SolveError};
 
+/// Gradients below this fraction of those of the best cells count as none.
+const FLAT_GRADIENT: f64 = 1e-3;
+
 /// What is kept of the reference image at a quadrature point.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Point {
@@ -25,6 +28,9 @@ pub(crate) struct Point {
     /// Area the point stands for: in the mesh's unit squared, or one pixel.
     pub(crate) weight: f32,
 }
+
+/// What is kept per point, the place of a pixel in its cell included, stays small beside the images.
+const _: () = assert!(size_of::<Point>() + size_of::<[f32; 2]>() <= 24);
 
 /// A level of the pyramid; level 0 is the image as it is.
 pub(crate) struct Level {
@@ -70,7 +76,7 @@ impl Level {
         let mut points = Vec::new();
         points.try_reserve_exact(num_points).map_err(|_| SolveError::TooManyPoints { points: num_points })?;
         let mut hessian = SymmetricMatrix::zeros(&system.pattern);
-        let mut trace = 0.0;
+        let mut energies = Vec::with_capacity(mesh.num_cells());
         let mut moments = Moments::default();
         let mut outside = Vec::new();
         for_each_cell(
@@ -80,7 +86,7 @@ impl Level {
             |cell, read| {
                 points.extend_from_slice(&read.points);
                 hessian.add_cell(&system.pattern, cell, read.hessian.entries());
-                trace += read.hessian.trace();
+                energies.push((read.hessian.trace(), read.moments.weight));
                 moments.add(&read.moments);
                 if read.outside {
                     outside.push(cell);
@@ -94,7 +100,11 @@ impl Level {
         if quadrature.num_points() > 0 && (std.is_nan() || std <= FLAT) {
             return Err(Error::Flat { which: "reference", std });
         }
+        if settings.wavelength.is_none() {
+            system.check_texture(&flat_cells(&energies), &quadrature)?;
+        }
         let penalty = settings.wavelength.map(|wavelength| {
+            let trace = energies.iter().map(|(trace, _)| trace).sum();
             let factor = penalty_factor(system, camera.as_ref(), trace, wavelength);
             hessian.add_scaled(factor, &system.laplacian().matrix);
             factor
@@ -112,6 +122,17 @@ impl Level {
     pub(crate) fn num_points(&self) -> usize {
         self.points.len()
     }
+}
+
+/// Cells whose gradient is negligible beside that of the best: interpolation carries ripples of a texture into the flat part of
+/// an image, and they determine nothing. `energies` are the trace of the Hessian and the weight of each cell.
+fn flat_cells(energies: &[(f64, f64)]) -> Vec<bool> {
+    let densities: Vec<f64> = energies.iter().map(|&(trace, weight)| trace / weight).collect();
+    let mut sorted: Vec<f64> = densities.iter().copied().filter(|density| !density.is_nan()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    // The upper tenth: much of the mesh may be flat.
+    let textured = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or_default();
+    densities.into_iter().map(|density| density.is_nan() || density <= FLAT_GRADIENT.powi(2) * textured).collect()
 }
 
 /// Cells with a node outside the image: looked for first, for a camera in the wrong unit would ask for more quadrature

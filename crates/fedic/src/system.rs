@@ -47,7 +47,7 @@ impl System {
         (points, nodes.len())
     }
 
-    /// Factorises a Hessian; where it is singular, names the nodes and the poverty of their cells.
+    /// Factorises a Hessian; where it is singular, names the nodes.
     pub(crate) fn factorize(
         &self,
         matrix: &SymmetricMatrix,
@@ -61,18 +61,35 @@ impl System {
             };
             let mut nodes: Vec<usize> = dofs.into_iter().map(|dof| dof / COMPONENTS).collect();
             nodes.dedup();
-            let touches =
-                |cell: usize| self.mesh.cell(cell).nodes.iter().any(|&n| nodes.binary_search(&(n as usize)).is_ok());
-            let poorest = (0..self.mesh.num_cells())
-                .filter(|&cell| touches(cell))
-                .min_by_key(|&cell| quadrature.range(cell).len())
-                .unwrap_or_default();
-            SolveError::Singular {
-                points: quadrature.range(poorest).len(),
-                unknowns: self.mesh.cell(poorest).nodes.len() * COMPONENTS,
-                nodes: self.user_nodes(nodes),
-            }
+            self.undetermined(nodes, quadrature)
         })
+    }
+
+    /// Refuses a mesh with nodes all of whose cells are flat; `is_flat` says so of each cell.
+    pub(crate) fn check_texture(&self, is_flat: &[bool], quadrature: &CellQuadrature) -> Result<(), SolveError> {
+        let mut textured = vec![false; self.mesh.num_nodes()];
+        for (cell, &flat) in self.mesh.cells().zip(is_flat) {
+            if !flat {
+                cell.nodes.iter().for_each(|&node| textured[node as usize] = true);
+            }
+        }
+        let nodes: Vec<usize> = (0..textured.len()).filter(|&node| !textured[node]).collect();
+        if nodes.is_empty() { Ok(()) } else { Err(self.undetermined(nodes, quadrature)) }
+    }
+
+    /// The error that names nodes (increasing) and the poorest of their cells.
+    fn undetermined(&self, nodes: Vec<usize>, quadrature: &CellQuadrature) -> SolveError {
+        let touches =
+            |cell: usize| self.mesh.cell(cell).nodes.iter().any(|&node| nodes.binary_search(&(node as usize)).is_ok());
+        let poorest = (0..self.mesh.num_cells())
+            .filter(|&cell| touches(cell))
+            .min_by_key(|&cell| quadrature.range(cell).len())
+            .unwrap_or_default();
+        SolveError::Singular {
+            points: quadrature.range(poorest).len(),
+            unknowns: self.mesh.cell(poorest).nodes.len() * COMPONENTS,
+            nodes: self.user_nodes(nodes),
+        }
     }
 
     /// Indices in the user's mesh of nodes of this one.
