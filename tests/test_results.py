@@ -119,6 +119,17 @@ def test_fft_start_finds_a_large_motion(shape: tuple[int, int], extent: float) -
     np.testing.assert_allclose(start, np.tile((shift_u / 4.0, -shift_v / 4.0), (mesh.num_nodes, 1)), atol=1e-9)
 
 
+def test_fft_start_does_not_mind_where_unused_nodes_lie(speckle_pair: Pair) -> None:
+    """Far outside the lens model, where no pixel can be taken back."""
+    lens = fedic.BrownDistortion((-1.0, 0.0, 0.0))
+    camera = fedic.Pinhole((1000, 1000), (100, 80), translation=(0, 0, 1.0), distortion=lens)
+    mesh = fedic.rectangle_mesh((-0.05, -0.04, 0.05, 0.04), 0.02)
+    far = fedic.Mesh(np.vstack([mesh.points, [[5.0, 5.0]]]), mesh.cells)
+    start = uniform_start(*speckle_pair, far, camera)
+    np.testing.assert_array_equal(start[:-1], uniform_start(*speckle_pair, mesh, camera))
+    np.testing.assert_array_equal(start[-1], 0.0)
+
+
 def test_fft_start_needs_texture_and_room() -> None:
     flat = np.zeros((100, 100), dtype=np.uint8)
     with pytest.raises(fedic.SolveError, match="no texture"):

@@ -30,7 +30,7 @@ def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera)
     Returns
     -------
     ndarray of float, shape (n, 2)
-        In the mesh's unit.
+        In the mesh's unit; zero at nodes of no cell.
 
     Raises
     ------
@@ -42,8 +42,9 @@ def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera)
     pixels = camera.project(points)
     shift = _window_shift(reference, deformed, pixels[used])
     z = float(points[used, 2].mean()) if points.shape[1] == 3 else 0.0
-    motion = camera.unproject(pixels + shift, z) - camera.unproject(pixels, z)
-    return np.ascontiguousarray(motion[:, :2])
+    start = np.zeros((len(points), 2))
+    start[used] = (camera.unproject(pixels[used] + shift, z) - camera.unproject(pixels[used], z))[:, :2]
+    return start
 
 
 def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> NDArray[np.int64]:

@@ -78,9 +78,9 @@ impl<'a> Locator<'a> {
             if (0..2).any(|d| point[d] < corners[0][d] || point[d] > corners[1][d]) {
                 return None;
             }
-            let nodes: Vec<[f64; 2]> = self.mesh.cell_points(cell).iter().map(|p| [p[0], p[1]]).collect();
+            let (nodes, num_nodes) = self.mesh.cell_points_xy(cell);
             let cell_type = self.mesh.cell(cell).cell_type;
-            let at = inverse_map(cell_type, &nodes, point)?;
+            let at = inverse_map(cell_type, &nodes[..num_nodes], point)?;
             is_inside(cell_type, at).then_some((cell, at))
         })
     }
@@ -98,13 +98,14 @@ fn is_inside(cell_type: CellType, [x, y]: [f64; 2]) -> bool {
 fn bounding_box(mesh: &Mesh, cell: usize) -> [[f64; 2]; 2] {
     let mut low = [f64::MAX; 2];
     let mut high = [f64::MIN; 2];
-    for p in mesh.cell_points(cell) {
+    let (nodes, num_nodes) = mesh.cell_points_xy(cell);
+    for p in &nodes[..num_nodes] {
         for d in 0..2 {
             low[d] = low[d].min(p[d]);
             high[d] = high[d].max(p[d]);
         }
     }
-    let curved = mesh.cell(cell).nodes.len() > mesh.cell(cell).cell_type.num_corners();
+    let curved = num_nodes > mesh.cell(cell).cell_type.num_corners();
     let margin = if curved { BULGE } else { EDGE };
     for d in 0..2 {
         let m = margin * (high[d] - low[d]);

@@ -1,7 +1,7 @@
 //! The mesh: nodes, cells of any mixture of types, validated once so that everything after can trust it.
 
 use crate::isoparametric::determinant;
-use crate::{CellType, MeshError, jacobian};
+use crate::{CellType, MAX_NODES, MeshError, jacobian};
 
 /// Jacobians smaller than this fraction of the squared size of their cell count as zero.
 const FLAT: f64 = 1e-9;
@@ -83,7 +83,8 @@ impl Mesh {
         let mut degenerate = Vec::new();
         for index in 0..self.num_cells() {
             let cell_type = self.cell_types[index];
-            match turn(cell_type, &self.cell_points_xy(index)) {
+            let (points, num_nodes) = self.cell_points_xy(index);
+            match turn(cell_type, &points[..num_nodes]) {
                 Some(Turn::CounterClockwise) => {}
                 Some(Turn::Clockwise) => {
                     let nodes = &mut self.nodes[self.offsets[index]..self.offsets[index + 1]];
@@ -133,8 +134,15 @@ impl Mesh {
         self.cell(index).nodes.iter().map(|&n| self.points[n as usize]).collect()
     }
 
-    fn cell_points_xy(&self, index: usize) -> Vec<[f64; 2]> {
-        self.cell(index).nodes.iter().map(|&n| [self.points[n as usize][0], self.points[n as usize][1]]).collect()
+    /// Plane coordinates of the nodes of a cell, and how many they are; without allocation, for loops over points.
+    pub(crate) fn cell_points_xy(&self, index: usize) -> ([[f64; 2]; MAX_NODES], usize) {
+        let nodes = self.cell(index).nodes;
+        let mut points = [[0.0; 2]; MAX_NODES];
+        for (point, &node) in points.iter_mut().zip(nodes) {
+            let [x, y, _] = self.points[node as usize];
+            *point = [x, y];
+        }
+        (points, nodes.len())
     }
 
     /// Cells that were given clockwise and have been turned round.

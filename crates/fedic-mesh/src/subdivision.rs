@@ -51,10 +51,7 @@ impl Subdivision {
     pub fn of_cell(cell_type: CellType, pixels: &[[f64; 2]], rule: Rule, density: f64) -> Self {
         let per_length = density.sqrt();
         match rule {
-            Rule::Diameter => {
-                let n = whole((diameter(cell_type, pixels) * per_length).ceil());
-                if cell_type.is_triangle() { Self::Triangle { n } } else { Self::Quad { nx: n, ny: n } }
-            }
+            Rule::Diameter => Self::uniform(cell_type, whole((diameter(cell_type, pixels) * per_length).ceil())),
             Rule::Edges if cell_type.is_triangle() => {
                 let outline = cell_type.outline().iter().map(|&a| pixels[a]);
                 Self::Triangle { n: whole(polygon_area(outline).sqrt() * per_length) }
@@ -66,6 +63,11 @@ impl Subdivision {
                 Self::Quad { nx: shorter(0, 2), ny: shorter(1, 3) }
             }
         }
+    }
+
+    /// The reference domain cut into `parts` along every edge.
+    pub const fn uniform(cell_type: CellType, parts: u32) -> Self {
+        if cell_type.is_triangle() { Self::Triangle { n: parts } } else { Self::Quad { nx: parts, ny: parts } }
     }
 
     /// Number of quadrature points.
@@ -83,6 +85,13 @@ impl Subdivision {
             Self::Quad { .. } => CellType::Quad.reference_area(),
         };
         reference / self.num_points() as f64
+    }
+
+    /// Reference coordinates of all points.
+    pub fn all_points(self) -> Vec<[f64; 2]> {
+        let (mut xi, mut eta) = (vec![0.0; self.num_points()], vec![0.0; self.num_points()]);
+        self.points(0, &mut xi, &mut eta);
+        xi.into_iter().zip(eta).map(|(x, y)| [x, y]).collect()
     }
 
     /// Writes the reference coordinates of points `first..first + xi.len()`.

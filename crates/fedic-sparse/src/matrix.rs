@@ -58,12 +58,6 @@ impl SymmetricMatrix {
         }
     }
 
-    /// Diagonal of the matrix.
-    pub fn diagonal(&self, pattern: &Pattern) -> Vec<f64> {
-        let columns = (0..pattern.num_nodes()).flat_map(|node| (0..pattern.block()).map(move |j| (node, j)));
-        columns.map(|(node, j)| self.values[pattern.column_start(node, j)]).collect()
-    }
-
     /// Product `y = A x`.
     ///
     /// # Panics

@@ -42,15 +42,15 @@ impl Pyramid {
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         let mut levels: Vec<Level> = Vec::new();
-        let mut owned: Option<Image> = None;
+        let mut coarser: Vec<Image> = Vec::new();
         for depth in 1..=num_levels(system, camera.as_ref()) {
-            let image = match owned.take() {
-                None => reduced.clone(),
-                Some(finer) => match downsample(finer.view()) {
-                    Ok(image) => image,
+            if depth > 1 {
+                match downsample(coarser.last().unwrap_or(reduced).view()) {
+                    Ok(image) => coarser.push(image),
                     Err(_) => break,
-                },
-            };
+                }
+            }
+            let image = coarser.last().unwrap_or(reduced);
             let sampler = Sampler::new(image.view(), INTERPOLATION, Gradient::Analytic, 0.0)?;
             let settings = LevelSettings {
                 quadrature: Quadrature::Mesh { rule: Rule::Edges, density: 1.0 },
@@ -65,7 +65,6 @@ impl Pyramid {
                 Err(Error::Flat { .. } | Error::Solve(_)) => break,
                 Err(error) => return Err(error),
             }
-            owned = Some(image);
         }
         Ok(Self { levels })
     }

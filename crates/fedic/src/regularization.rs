@@ -1,14 +1,12 @@
 //! Tikhonov smoothing of the displacement by its gradient, set by a wavelength.
 
 use fedic_camera::Camera;
-use fedic_mesh::{Mesh, Rule, Subdivision, jacobian, shape_gradients};
+use fedic_mesh::{Mesh, Subdivision, jacobian, shape_gradients};
 use fedic_sparse::{Pattern, SymmetricMatrix};
 
 use crate::COMPONENTS;
+use crate::field::PARTS;
 use crate::system::System;
-
-/// Points along each edge that integrate the Laplacian of a cell.
-const POINTS: f64 = 4.0;
 
 /// `integral of grad N_i . grad N_j` for every component, and the area of the mesh.
 #[derive(Debug, Clone)]
@@ -33,17 +31,13 @@ impl Laplacian {
 fn cell_laplacian(mesh: &Mesh, cell: usize) -> (Vec<f64>, f64) {
     let cell_type = mesh.cell(cell).cell_type;
     let nodes = mesh.cell_points(cell);
-    let unit: Vec<[f64; 2]> = cell_type.reference_nodes().iter().map(|&[x, y]| [x * POINTS, y * POINTS]).collect();
-    let subdivision = Subdivision::of_cell(cell_type, &unit, Rule::Edges, 1.0);
-    let count = subdivision.num_points();
-    let (mut xi, mut eta) = (vec![0.0; count], vec![0.0; count]);
-    subdivision.points(0, &mut xi, &mut eta);
+    let subdivision = Subdivision::uniform(cell_type, PARTS);
     let size = nodes.len() * COMPONENTS;
     let mut entries = vec![0.0; size * size];
     let mut area = 0.0;
-    for (&x, &y) in xi.iter().zip(&eta) {
-        let j = jacobian(cell_type, &nodes, [x, y]);
-        let g = shape_gradients(cell_type, [x, y]);
+    for at in subdivision.all_points() {
+        let j = jacobian(cell_type, &nodes, at);
+        let g = shape_gradients(cell_type, at);
         // Metric of the surface: grad N_a . grad N_b = dN_a^T (J^T J)^-1 dN_b.
         let dot = |p: usize, q: usize| j.iter().map(|row| row[p] * row[q]).sum::<f64>();
         let (xx, xy, yy) = (dot(0, 0), dot(0, 1), dot(1, 1));
