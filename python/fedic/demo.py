@@ -35,7 +35,7 @@ BOUNDS = (800.3, 500.2, 1100.3, 800.2)
 """Of the mesh, in pixels."""
 SPECKLE_PIXELS = 5.5
 LEVELS = (0.04, 0.96)
-"""With this size: a standard deviation of 57 grey levels and a gradient of 24 per pixel."""
+"""With this size: a standard deviation of 57 grey levels and a gradient of 24 per pixel along each axis."""
 
 
 @dataclass(frozen=True, eq=False)
