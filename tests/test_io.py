@@ -244,6 +244,13 @@ def test_abaqus_include_is_followed(tmp_path: Path) -> None:
     assert fedic.read_mesh(tmp_path / "main.inp").num_nodes == 3
 
 
+def test_abaqus_include_of_itself_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.inp").write_text("*INCLUDE, INPUT=b.inp\n")
+    (tmp_path / "b.inp").write_text("*INCLUDE, INPUT=./a.inp\n")
+    with pytest.raises(fedic.MeshError, match="a.inp: the file includes itself"):
+        fedic.read_mesh(tmp_path / "a.inp")
+
+
 def test_abaqus_faults_are_named(tmp_path: Path) -> None:
     path = tmp_path / "bad.inp"
     path.write_text("*NODE\n1, 0, 0\n2, 1, zero\n")

@@ -97,7 +97,9 @@ def _read_scopes(path: Path) -> list[_Scope]:
     return scopes
 
 
-def _lines(path: Path) -> Iterator[tuple[Path, int, str]]:
+def _lines(path: Path, including: tuple[Path, ...] = ()) -> Iterator[tuple[Path, int, str]]:
+    if path.resolve() in including:
+        raise MeshError(f"{path}: the file includes itself through *INCLUDE; remove that line.")
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
@@ -108,7 +110,7 @@ def _lines(path: Path) -> Iterator[tuple[Path, int, str]]:
             continue
         keyword, options = _split_keyword(line)
         if keyword == "INCLUDE" and "INPUT" in options:
-            yield from _lines(path.parent / options["INPUT"])
+            yield from _lines(path.parent / options["INPUT"], (*including, path.resolve()))
         else:
             yield path, number, line
 
