@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from fedic._core import FrontParallel, ImageFrame, Pinhole
 
-__all__ = ["CELL_NAMES", "Camera", "CellName", "Floats", "Image", "Progress", "StrPath"]
+__all__ = ["CELL_NAMES", "NODE_COUNTS", "Camera", "CellName", "Floats", "Image", "Progress", "StrPath"]
 
 Camera: TypeAlias = ImageFrame | FrontParallel | Pinhole
 CellName: TypeAlias = Literal["triangle", "triangle6", "quad", "quad8", "quad9"]
 CELL_NAMES: tuple[str, ...] = get_args(CellName)
+NODE_COUNTS: dict[str, int] = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
 Floats: TypeAlias = NDArray[np.float64]
 Image: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
 Progress: TypeAlias = Callable[[str, int, int, float, float], Any]

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fedic._types import NODE_COUNTS
 from fedic.errors import MeshError
 
 __all__ = ["read_abaqus"]
 
 _SURFACE_TYPE = re.compile(r"(?:CPS|CPE|CPEG|CAX|CGAX|M3D|SFM3D|R3D|S|STRI|DS|DC2D|DCAX)(65|[34689])(?!\d)")
 _CELL_NAMES = {"3": "triangle", "4": "quad", "6": "triangle6", "65": "triangle6", "8": "quad8", "9": "quad9"}
-_NODE_COUNTS = {"triangle": 3, "quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
 _SCOPE_KEYWORDS = {"PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "INSTANCE", "END INSTANCE"}
 
 
@@ -36,7 +36,7 @@ class _Scope:
         self.coordinates.append(([float(x) for x in coordinates] + [0.0, 0.0, 0.0])[:3])
 
     def add_element(self, line: str) -> None:
-        if self.blocks[-1][0] in _NODE_COUNTS:
+        if self.blocks[-1][0] in NODE_COUNTS:
             self.blocks[-1][1].extend(int(item) for item in line.split(",") if item.strip())
 
 
@@ -65,7 +65,7 @@ def read_abaqus(path: Path) -> tuple[NDArray[np.float64], list[tuple[str, NDArra
         elements.
     """
     scopes = _read_scopes(path)
-    with_surface = [scope for scope in scopes if any(name in _NODE_COUNTS for name, _ in scope.blocks)]
+    with_surface = [scope for scope in scopes if any(name in NODE_COUNTS for name, _ in scope.blocks)]
     if len(with_surface) > 1:
         raise MeshError(f"{path}: {len(with_surface)} parts have surface elements; export one part alone.")
     if not with_surface:
@@ -129,9 +129,9 @@ def _cell_name(element_type: str) -> str:
 
 
 def _connectivity(path: Path, name: str, items: list[int], labels: NDArray[np.int64]) -> NDArray[np.int64]:
-    if name not in _NODE_COUNTS:
+    if name not in NODE_COUNTS:
         return np.empty((0, 0), dtype=np.int64)
-    width = _NODE_COUNTS[name] + 1
+    width = NODE_COUNTS[name] + 1
     if len(items) % width:
         raise MeshError(f"{path}: an element of the {name} blocks has not {width - 1} nodes; the file is damaged.")
     table = np.asarray(items, dtype=np.int64).reshape(-1, width)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic._core import Mesh
-from fedic._types import CELL_NAMES, CellName, Floats
+from fedic._types import CELL_NAMES, NODE_COUNTS, CellName, Floats
 from fedic.errors import MeshError
 
 __all__ = ["unstructured_mesh"]
@@ -73,7 +73,7 @@ def unstructured_mesh(
     order = np.argsort(tags)
     rows = order[np.searchsorted(tags, used, sorter=order)]
     points = np.ascontiguousarray(coordinates.reshape(-1, 3)[rows, :2])
-    mesh = Mesh(points, {cell: cells.reshape(-1, _node_count(cell))})
+    mesh = Mesh(points, {cell: cells.reshape(-1, NODE_COUNTS[cell])})
 
     expected = _area(border) - sum(_area(hole) for hole in inner)
     if abs(float(mesh.areas().sum()) - expected) > _AREA_TOLERANCE * _area(border):
@@ -115,10 +115,6 @@ def _polygon(corners: ArrayLike, name: str) -> Floats:
 def _area(polygon: Floats) -> float:
     x, y = (polygon - polygon.mean(axis=0)).T
     return abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))) / 2.0
-
-
-def _node_count(cell: CellName) -> int:
-    return {"triangle": 3, "quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}[cell]
 
 
 def _check_apart(polygons: list[Floats]) -> None:
