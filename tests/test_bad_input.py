@@ -139,5 +139,5 @@ def test_cells_that_leave_the_deformed_image_are_reported(image: np.ndarray) -> 
     np.testing.assert_array_equal(result.outside_cells, [4, 9, 14])
     still_inside = mesh.points[:, 0] < 95
     np.testing.assert_allclose(
-        result.displacement[still_inside], np.tile([15.0, 0.0], (still_inside.sum(), 1)), atol=0.02
+        result.displacement[still_inside], np.tile([15.0, 0.0], (still_inside.sum(), 1)), atol=0.03
     )

@@ -58,7 +58,7 @@ def test_run_writes_the_results(folder: Path) -> None:
     }
     summary = json.loads((out / "summary.json").read_text())
     assert summary["fedic"] == fedic.__version__
-    assert summary["settings"]["correlation"]["interpolation"] == "bspline3"
+    assert summary["settings"]["correlation"]["interpolation"] == "bspline5"
     assert [frame["converged"] for frame in summary["frames"]] == [True, True]
     assert "moved.png: converged in" in outcome.stdout
 

@@ -1,5 +1,7 @@
 """What each option of a correlation changes, and what it must not."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -39,7 +41,7 @@ def test_element_brightness_undoes_uneven_light(pair: tuple[np.ndarray, np.ndarr
     uneven = (pair[0], (pair[1] * light * 0.7).astype(np.float32))
     everywhere, by_element = errors(uneven), errors(uneven, brightness="element")
     assert by_element.std() < 0.5 * everywhere.std()
-    assert by_element.std() < 0.02
+    assert by_element.std() < 0.025
 
 
 def test_the_hessian_changes_the_way_and_not_the_end() -> None:
@@ -61,12 +63,12 @@ def test_the_hessian_changes_the_way_and_not_the_end() -> None:
 @pytest.mark.parametrize(
     ("options", "largest"),
     [
-        ({"interpolation": "bspline5"}, 0.003),
+        ({}, 0.003),
+        ({"prefilter": 0.0}, 0.003),
         ({"interpolation": "bspline3"}, 0.005),
         ({"interpolation": "bicubic"}, 0.05),
         ({"interpolation": "bilinear", "prefilter": 1.0}, 0.05),
         ({"gradient": "finite-difference"}, 0.005),
-        ({"prefilter": 0.8}, 0.003),
         ({"quadrature": fedic.MeshQuadrature(density=2.0)}, 0.005),
     ],
 )
@@ -103,7 +105,7 @@ def test_a_given_start_saves_iterations(pair: tuple[np.ndarray, np.ndarray]) -> 
 
 
 def test_noise_of_the_rules() -> None:
-    """On the same noisy images the edges rule is at most 3 % noisier than one with twice its points and more."""
+    """On the same noisy images, unfiltered, one point per pixel is at most 3 % noisier than twice as many and more."""
     texture = fedic.synthetic.render(SPECKLE, FRAME, (240, 240), bits=16) / 257.0
     mesh = fedic.rectangle_mesh((20.3, 20.7, 212.1, 213.9), 20.0)
     shaken = mesh.points + np.random.default_rng(0).uniform(-3, 3, mesh.points.shape)
@@ -111,8 +113,25 @@ def test_noise_of_the_rules() -> None:
     rng = np.random.default_rng(1)
     draws = [[(texture + rng.normal(0, 2, texture.shape)).astype(np.float32) for _ in range(2)] for _ in range(15)]
 
-    def noise(quadrature: fedic.MeshQuadrature) -> float:
-        return float(np.std([fedic.correlate(*pair, mesh, quadrature=quadrature).displacement for pair in draws]))
+    def noise(rule: Literal["rotated", "edges", "diameter"]) -> float:
+        options = {"quadrature": fedic.MeshQuadrature(rule=rule), "interpolation": "bspline3", "prefilter": 0.0}
+        return float(np.std([fedic.correlate(*pair, mesh, **options).displacement for pair in draws]))  # type: ignore[arg-type]
 
-    ratio = noise(fedic.MeshQuadrature()) / noise(fedic.MeshQuadrature(rule="diameter"))
-    assert 1.0 < ratio < 1.03
+    finest = noise("diameter")
+    assert 1.0 < noise("edges") / finest < 1.03
+    assert 1.0 < noise("rotated") / finest < 1.03
+
+
+def test_the_rotated_rule_does_not_keep_step_with_the_pixels() -> None:
+    """Elements of whole pixels and a fine texture: every point of `edges` has the same place in its pixel."""
+    fine = fedic.synthetic.Speckle(2.2, seed=3)
+    reference = fedic.synthetic.render(fine, FRAME, (200, 200), supersampling=5)
+    deformed = fedic.synthetic.fourier_shift(reference, (0.3, 0.0))
+    mesh = fedic.rectangle_mesh((30.3, 30.3, 170.3, 170.3), 20.0)
+    bias = {
+        rule: abs((fedic.correlate(reference, deformed, mesh, quadrature=fedic.MeshQuadrature(rule=rule))  # type: ignore[arg-type]
+                   .displacement[:, 0] - 0.3).mean())
+        for rule in ("edges", "rotated")
+    }  # fmt: skip
+    assert bias["rotated"] < 2e-4
+    assert bias["edges"] > 3 * bias["rotated"]

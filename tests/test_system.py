@@ -32,7 +32,7 @@ def images() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-@pytest.mark.parametrize("rule", ["edges", "diameter", "pixel"])
+@pytest.mark.parametrize("rule", ["rotated", "edges", "diameter", "pixel"])
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("hessian", ["initial", "updated"])
 def test_first_step_is_that_of_a_dense_system(
@@ -42,7 +42,10 @@ def test_first_step_is_that_of_a_dense_system(
     # The pixel rule takes edges as straight: beside a curved edge a pixel may go to the neighbour of its own cell.
     mesh = mesh_in_image(projector, cell, shake=0.0 if rule == "pixel" and cell in CURVED else 1.0)
     start = 0.001 * (mesh.points - mesh.points.mean(0))
-    core = _core.Correlator(images[0], mesh, projector, rule=rule, hessian=hessian, max_iterations=1, tolerance=1e-12)  # type: ignore[arg-type]
+    core = _core.Correlator(
+        images[0], mesh, projector, rule=rule, hessian=hessian, interpolation="bspline3", prefilter=0.0,
+        max_iterations=1, tolerance=1e-12,
+    )  # type: ignore[call-overload]  # fmt: skip
     step = core.correlate(images[1], initial=start).displacement - start
 
     points, weights, _ = core.quadrature_points()
@@ -74,7 +77,7 @@ def test_first_step_is_that_of_a_dense_system(
 def test_quadrature_weights_sum_to_the_area() -> None:
     reference = np.random.default_rng(0).integers(0, 255, (140, 160), dtype=np.uint8)
     mesh = mesh_in_image(LENS, "quad")
-    for rule in ("edges", "diameter"):
+    for rule in ("rotated", "edges", "diameter"):
         _, weights, cells = _core.Correlator(reference, mesh, LENS, rule=rule).quadrature_points()  # type: ignore[arg-type]
         np.testing.assert_allclose(np.bincount(cells, weights), mesh.areas(), rtol=1e-6)
 

@@ -183,11 +183,11 @@ class PinholeSection(_Section):
 class CorrelationSection(_Section):
     """``[correlation]``: the options of `fedic.correlate`."""
 
-    quadrature: Literal["edges", "diameter", "pixel"] = "edges"
+    quadrature: Literal["rotated", "edges", "diameter", "pixel"] = "rotated"
     density: Positive = 1.0
-    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline3"
+    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5"
     gradient: Literal["analytic", "finite-difference"] = "analytic"
-    prefilter: NotNegative = 0.0
+    prefilter: NotNegative = 0.8
     brightness: Literal["global", "element", "none"] = "global"
     hessian: Literal["initial", "updated"] = "initial"
     initial: Literal["none", "pyramid", "fft"] = "none"

@@ -38,7 +38,9 @@ class Correlator:
     gradient : {"analytic", "finite-difference"}
         Gradient of the reference image: of the interpolant, or of central differences at the pixels.
     prefilter : float
-        Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none.
+        Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none. It removes what no
+        interpolation can follow: with the default the error of interpolation is at most 1e-4 px, for a noise higher by
+        1 to 3 % where speckles are five pixels wide and by some 10 % or more where they are two.
     brightness : {"global", "element"} or None
         Where the mean and the contrast of the deformed image are brought to those of the reference image.
     hessian : {"initial", "updated"}
@@ -74,9 +76,9 @@ class Correlator:
         camera: Camera = ImageFrame(),
         *,
         quadrature: Quadrature = MeshQuadrature(),
-        interpolation: Interpolation = "bspline3",
+        interpolation: Interpolation = "bspline5",
         gradient: Literal["analytic", "finite-difference"] = "analytic",
-        prefilter: float = 0.0,
+        prefilter: float = 0.8,
         brightness: Literal["global", "element"] | None = "global",
         hessian: Literal["initial", "updated"] = "initial",
         initial: Initial = None,
@@ -187,9 +189,9 @@ def correlate(
     camera: Camera = ImageFrame(),
     *,
     quadrature: Quadrature = MeshQuadrature(),
-    interpolation: Interpolation = "bspline3",
+    interpolation: Interpolation = "bspline5",
     gradient: Literal["analytic", "finite-difference"] = "analytic",
-    prefilter: float = 0.0,
+    prefilter: float = 0.8,
     brightness: Literal["global", "element"] | None = "global",
     hessian: Literal["initial", "updated"] = "initial",
     initial: Initial = None,
@@ -247,7 +249,7 @@ max_iterations, num_threads
     return correlator.correlate(deformed, progress=progress)
 
 
-def _rule(quadrature: Quadrature) -> tuple[Literal["edges", "diameter", "pixel"], float]:
+def _rule(quadrature: Quadrature) -> tuple[Literal["rotated", "edges", "diameter", "pixel"], float]:
     if isinstance(quadrature, MeshQuadrature):
         return quadrature.rule, quadrature.density
     if isinstance(quadrature, PixelQuadrature):

@@ -13,7 +13,7 @@ use crate::error::ImageError;
 /// use fedic_image::Interpolation;
 ///
 /// assert_eq!("bspline5".parse(), Ok(Interpolation::Bspline5));
-/// assert_eq!(Interpolation::default().to_string(), "bspline3");
+/// assert_eq!(Interpolation::default().to_string(), "bspline5");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Interpolation {
@@ -22,9 +22,9 @@ pub enum Interpolation {
     /// Keys' cubic convolution with `a = -1/2`, 4 x 4 pixels: continuous gradient.
     Bicubic,
     /// Cubic B-spline through the pixels, 4 x 4 coefficients: continuous second derivatives.
-    #[default]
     Bspline3,
     /// Quintic B-spline through the pixels, 6 x 6 coefficients: continuous fourth derivatives, least bias.
+    #[default]
     Bspline5,
 }
 

@@ -9,8 +9,13 @@ use crate::CellType;
 pub enum Rule {
     /// Each direction of a quad by the whole pixels in the shorter of its two edges, a triangle by the root of its area:
     /// about one point per pixel, never more along an edge.
-    #[default]
     Edges,
+    /// As many points as [`Edges`](Self::Edges), those of a quad on a grid turned about its centre by the angle that takes
+    /// the points across their parts from one end of the longer rows to the other. Points a pixel apart keep the same place in their pixels all along the
+    /// rows and columns of a cell, and the error of the interpolation there does not average out; turned, they sweep all
+    /// places.
+    #[default]
+    Rotated,
     /// The paper's: every edge by the largest distance between two nodes, at least two points per pixel (four in a
     /// triangle). In a quad also by the diagonals of the parallelograms that its corners span, longer where opposite edges
     /// differ: no part is then longer than a pixel, and no pixel without a point.
@@ -23,22 +28,30 @@ impl FromStr for Rule {
     fn from_str(name: &str) -> Result<Self, String> {
         match name {
             "edges" => Ok(Self::Edges),
+            "rotated" => Ok(Self::Rotated),
             "diameter" => Ok(Self::Diameter),
-            _ => Err(format!("unknown quadrature rule \"{name}\"; choose \"edges\" or \"diameter\"")),
+            _ => Err(format!("unknown quadrature rule \"{name}\"; choose \"rotated\", \"edges\" or \"diameter\"")),
         }
     }
 }
 
-/// A reference domain cut into equal parts; the quadrature points are the parts' centres.
+/// A reference domain cut into equal parts, one quadrature point in each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Subdivision {
-    /// `n^2` homothetic sub-triangles.
+    /// `n^2` homothetic sub-triangles and their centres.
     Triangle {
         /// Parts of each edge.
         n: u32,
     },
-    /// `nx * ny` sub-quads.
+    /// `nx * ny` sub-quads and their centres.
     Quad {
+        /// Parts along `xi`.
+        nx: u32,
+        /// Parts along `eta`.
+        ny: u32,
+    },
+    /// `nx * ny` sub-quads, their centres turned about the centre of the whole, by no more than keeps each in its part.
+    RotatedQuad {
         /// Parts along `xi`.
         nx: u32,
         /// Parts along `eta`.
@@ -52,15 +65,16 @@ impl Subdivision {
         let per_length = density.sqrt();
         match rule {
             Rule::Diameter => Self::uniform(cell_type, whole((diameter(cell_type, pixels) * per_length).ceil())),
-            Rule::Edges if cell_type.is_triangle() => {
+            Rule::Edges | Rule::Rotated if cell_type.is_triangle() => {
                 let outline = cell_type.outline().iter().map(|&a| pixels[a]);
                 Self::Triangle { n: whole(polygon_area(outline).sqrt() * per_length) }
             }
-            Rule::Edges => {
+            Rule::Edges | Rule::Rotated => {
                 let shorter = |one, other| {
                     whole(edge_length(cell_type, pixels, one).min(edge_length(cell_type, pixels, other)) * per_length)
                 };
-                Self::Quad { nx: shorter(0, 2), ny: shorter(1, 3) }
+                let (nx, ny) = (shorter(0, 2), shorter(1, 3));
+                if rule == Rule::Edges { Self::Quad { nx, ny } } else { Self::RotatedQuad { nx, ny } }
             }
         }
     }
@@ -74,7 +88,7 @@ impl Subdivision {
     pub fn num_points(self) -> usize {
         match self {
             Self::Triangle { n } => n as usize * n as usize,
-            Self::Quad { nx, ny } => nx as usize * ny as usize,
+            Self::Quad { nx, ny } | Self::RotatedQuad { nx, ny } => nx as usize * ny as usize,
         }
     }
 
@@ -82,7 +96,7 @@ impl Subdivision {
     pub fn part_area(self) -> f64 {
         let reference = match self {
             Self::Triangle { .. } => CellType::Triangle.reference_area(),
-            Self::Quad { .. } => CellType::Quad.reference_area(),
+            Self::Quad { .. } | Self::RotatedQuad { .. } => CellType::Quad.reference_area(),
         };
         reference / self.num_points() as f64
     }
@@ -101,17 +115,13 @@ impl Subdivision {
     /// If `eta` is shorter than `xi`. Past the last point the coordinates mean nothing.
     pub fn points(self, first: usize, xi: &mut [f64], eta: &mut [f64]) {
         match self {
-            Self::Quad { nx, ny } => {
-                let (nx, ny) = (nx as usize, ny as usize);
-                let (dx, dy) = (2.0 / nx as f64, 2.0 / ny as f64);
-                let (mut i, mut j) = (first % nx, first / nx);
+            Self::Quad { nx, ny } => quad_centres(nx, ny, first, xi, eta),
+            Self::RotatedQuad { nx, ny } => {
+                quad_centres(nx, ny, first, xi, eta);
+                // The same angle both ways leaves the area and the moments of second order.
+                let turn = 1.0 / f64::from(nx.max(ny));
                 for (x, y) in xi.iter_mut().zip(eta.iter_mut()) {
-                    *x = (i as f64 + 0.5) * dx - 1.0;
-                    *y = (j as f64 + 0.5) * dy - 1.0;
-                    i += 1;
-                    if i == nx {
-                        (i, j) = (0, j + 1);
-                    }
+                    (*x, *y) = (*x + turn * *y, *y - turn * *x);
                 }
             }
             Self::Triangle { n } => {
@@ -129,6 +139,21 @@ impl Subdivision {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Centres of the sub-quads from the part `first` on, row after row.
+fn quad_centres(nx: u32, ny: u32, first: usize, xi: &mut [f64], eta: &mut [f64]) {
+    let (nx, ny) = (nx as usize, ny as usize);
+    let (dx, dy) = (2.0 / nx as f64, 2.0 / ny as f64);
+    let (mut i, mut j) = (first % nx, first / nx);
+    for (x, y) in xi.iter_mut().zip(eta) {
+        *x = (i as f64 + 0.5) * dx - 1.0;
+        *y = (j as f64 + 0.5) * dy - 1.0;
+        i += 1;
+        if i == nx {
+            (i, j) = (0, j + 1);
         }
     }
 }

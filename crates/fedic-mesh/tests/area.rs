@@ -49,7 +49,13 @@ fn integrals_along_outline(cell: CellType, nodes: &[[f64; 2]]) -> [f64; 3] {
 
 fn any_case() -> impl Strategy<Value = (CellType, u64, Subdivision)> {
     let cells = proptest::sample::select(CellType::ALL.as_slice());
-    (cells, any::<u64>(), 1_u32..40, 1_u32..40).prop_map(|(cell, seed, nx, ny)| (cell, seed, cut(cell, nx, ny)))
+    (cells, any::<u64>(), 1_u32..40, 1_u32..40, any::<bool>()).prop_map(|(cell, seed, nx, ny, rotated)| {
+        let subdivision = match cut(cell, nx, ny) {
+            Subdivision::Quad { nx, ny } if rotated => Subdivision::RotatedQuad { nx, ny },
+            subdivision => subdivision,
+        };
+        (cell, seed, subdivision)
+    })
 }
 
 fn cut(cell: CellType, nx: u32, ny: u32) -> Subdivision {

@@ -1,4 +1,4 @@
-//! The points of a subdivision, and how finely the two rules cut a cell.
+//! The points of a subdivision, and how finely the rules cut a cell.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -14,6 +14,7 @@ fn any_subdivision() -> impl Strategy<Value = Subdivision> {
     prop_oneof![
         (1_u32..60).prop_map(|n| Subdivision::Triangle { n }),
         (1_u32..60, 1_u32..60).prop_map(|(nx, ny)| Subdivision::Quad { nx, ny }),
+        (1_u32..60, 1_u32..60).prop_map(|(nx, ny)| Subdivision::RotatedQuad { nx, ny }),
     ]
 }
 
@@ -28,7 +29,7 @@ proptest! {
     fn parts_fill_the_reference_domain(subdivision in any_subdivision()) {
         let whole = match subdivision {
             Subdivision::Triangle { .. } => 0.5,
-            Subdivision::Quad { .. } => 4.0,
+            Subdivision::Quad { .. } | Subdivision::RotatedQuad { .. } => 4.0,
         };
         let sum = subdivision.part_area() * subdivision.num_points() as f64;
         prop_assert!((sum - whole).abs() < 1e-15, "{sum}");
@@ -37,15 +38,17 @@ proptest! {
     #[test]
     fn points_lie_inside_apart_from_each_other_and_around_the_centre(subdivision in any_subdivision()) {
         let all = points(subdivision, 0, subdivision.num_points());
-        // Centres of equal parts: none nearer to an edge than a third (triangles) or half (quads) of a part.
+        // Centres of equal parts: none nearer to an edge than a third (triangles) or half (quads) of a part. Turned, the
+        // points of a corner come as near as half a part over the number of parts.
         let (centre, margin) = match subdivision {
             Subdivision::Triangle { n } => (1.0 / 3.0, 1.0 / (3.0 * f64::from(n))),
             Subdivision::Quad { nx, ny } => (0.0, 1.0 / f64::from(nx.max(ny))),
+            Subdivision::RotatedQuad { nx, ny } => (0.0, 1.0 / f64::from(nx.max(ny)).powi(2)),
         };
         for &[x, y] in &all {
             let nearest = match subdivision {
                 Subdivision::Triangle { .. } => x.min(y).min(1.0 - x - y),
-                Subdivision::Quad { .. } => (1.0 - x.abs()).min(1.0 - y.abs()),
+                Subdivision::Quad { .. } | Subdivision::RotatedQuad { .. } => (1.0 - x.abs()).min(1.0 - y.abs()),
             };
             prop_assert!(nearest > margin - 1e-14, "({x}, {y})");
         }
@@ -102,6 +105,41 @@ fn the_edges_rule_counts_whole_pixels_along_the_edges() {
 }
 
 #[test]
+fn the_rotated_rule_counts_as_the_edges_rule_does() {
+    let pixels = rectangle(CellType::Quad, 12.7, 5.2);
+    assert_eq!(cut(CellType::Quad, &pixels, Rule::Rotated, 1.0), Subdivision::RotatedQuad { nx: 12, ny: 5 });
+    let pixels = rectangle(CellType::Triangle, 12.7, 5.2);
+    assert_eq!(cut(CellType::Triangle, &pixels, Rule::Rotated, 1.0), Subdivision::Triangle { n: 5 });
+}
+
+proptest! {
+    #[test]
+    fn rotated_points_stay_in_their_parts_and_keep_the_mixed_moment(nx in 1_u32..60, ny in 1_u32..60) {
+        let centres = Subdivision::Quad { nx, ny }.all_points();
+        let turned = Subdivision::RotatedQuad { nx, ny }.all_points();
+        for ([x, y], [a, b]) in centres.into_iter().zip(&turned) {
+            prop_assert!((x - a).abs() * f64::from(nx) < 1.0 && (y - b).abs() * f64::from(ny) < 1.0);
+        }
+        let mixed = turned.iter().map(|[x, y]| x * y).sum::<f64>() / turned.len() as f64;
+        // The mean of xi^2 over the centres of n parts is (1 - 1/n^2) / 3.
+        let gap = (1.0 / f64::from(nx).powi(2) - 1.0 / f64::from(ny).powi(2)) / 3.0;
+        prop_assert!((mixed - gap / f64::from(nx.max(ny))).abs() < 1e-12, "{mixed}");
+    }
+}
+
+#[test]
+fn rotated_points_sweep_the_places_in_a_pixel() {
+    // 20 points along 20 pixels: the centres share one place in their pixels, the turned points share out all.
+    let worst = |subdivision: Subdivision| {
+        let places = subdivision.all_points().into_iter().map(|[x, _]| 2.0 * std::f64::consts::PI * 10.0 * x);
+        let (cos, sin) = places.fold((0.0, 0.0), |(c, s), place| (c + place.cos(), s + place.sin()));
+        f64::hypot(cos, sin) / subdivision.num_points() as f64
+    };
+    assert!(worst(Subdivision::Quad { nx: 20, ny: 20 }) > 0.999);
+    assert!(worst(Subdivision::RotatedQuad { nx: 20, ny: 20 }) < 0.01);
+}
+
+#[test]
 fn the_diameter_rule_cuts_every_edge_by_the_longest_distance() {
     for cell in CellType::ALL {
         // The diagonal is 13.72 pixels, and the longest edge of the triangle too.
@@ -116,9 +154,10 @@ fn the_diameter_rule_cuts_every_edge_by_the_longest_distance() {
 #[test]
 fn rules_have_names() {
     assert_eq!("edges".parse::<Rule>().unwrap(), Rule::Edges);
+    assert_eq!("rotated".parse::<Rule>().unwrap(), Rule::Rotated);
     assert_eq!("diameter".parse::<Rule>().unwrap(), Rule::Diameter);
     assert_eq!(
         "Edges".parse::<Rule>().unwrap_err(),
-        "unknown quadrature rule \"Edges\"; choose \"edges\" or \"diameter\""
+        "unknown quadrature rule \"Edges\"; choose \"rotated\", \"edges\" or \"diameter\""
     );
 }

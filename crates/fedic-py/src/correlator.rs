@@ -27,11 +27,11 @@ pub(crate) struct Correlator {
 impl Correlator {
     #[new]
     #[pyo3(signature = (
-        reference, mesh, camera, *, rule="edges", density=1.0, interpolation="bspline3", gradient="analytic",
-        prefilter=0.0, brightness=Some("global"), hessian="initial", regularization=None, tolerance=1e-3,
+        reference, mesh, camera, *, rule="rotated", density=1.0, interpolation="bspline5", gradient="analytic",
+        prefilter=0.8, brightness=Some("global"), hessian="initial", regularization=None, tolerance=1e-3,
         max_iterations=50, num_threads=None, progress=None
-    ), text_signature = "(reference, mesh, camera, *, rule='edges', density=1.0, interpolation='bspline3', \
-                         gradient='analytic', prefilter=0.0, brightness='global', hessian='initial', \
+    ), text_signature = "(reference, mesh, camera, *, rule='rotated', density=1.0, interpolation='bspline5', \
+                         gradient='analytic', prefilter=0.8, brightness='global', hessian='initial', \
                          regularization=None, tolerance=0.001, max_iterations=50, num_threads=None, progress=None)")]
     #[allow(clippy::too_many_arguments)]
     fn new(

@@ -23,7 +23,7 @@ pub enum Quadrature {
 
 impl Default for Quadrature {
     fn default() -> Self {
-        Self::Mesh { rule: Rule::Edges, density: 1.0 }
+        Self::Mesh { rule: Rule::default(), density: 1.0 }
     }
 }
 
@@ -90,7 +90,7 @@ impl Default for Options {
             quadrature: Quadrature::default(),
             interpolation: Interpolation::default(),
             gradient: Gradient::default(),
-            prefilter: 0.0,
+            prefilter: 0.8,
             brightness: Brightness::default(),
             hessian: Hessian::default(),
             regularization: None,

@@ -31,7 +31,7 @@ fn the_number_of_threads_changes_no_bit() {
     let motion = Motion { gradient: [[1.01, 0.003], [-0.004, 0.995]], shift: [3.3, -2.6], centre: [100.0; 2] };
     let images = render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), motion);
     let mesh_rule = |rule| Quadrature::Mesh { rule, density: 1.0 };
-    for quadrature in [mesh_rule(Rule::Edges), mesh_rule(Rule::Diameter), Quadrature::Pixel] {
+    for quadrature in [mesh_rule(Rule::Rotated), mesh_rule(Rule::Diameter), Quadrature::Pixel] {
         for (brightness, hessian) in [(Brightness::Global, Hessian::Initial), (Brightness::Element, Hessian::Updated)] {
             let options = Options { quadrature, brightness, hessian, ..Options::default() };
             let alone = solve(&images, &options, Some(1));
