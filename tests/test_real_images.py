@@ -58,9 +58,7 @@ def test_open_hole_agrees_with_the_reference(
 
 def test_open_hole_residual_with_quintic_splines(frame: Callable[[str], np.ndarray], shared_data: Shared) -> None:
     mesh = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
-    result = fedic.correlate(
-        frame("0053"), frame("0070"), mesh, open_hole_camera(), initial="pyramid", prefilter=0.0
-    )
+    result = fedic.correlate(frame("0053"), frame("0070"), mesh, open_hole_camera(), initial="pyramid", prefilter=0.0)
     assert result.converged
     assert result.residual_std < 2.10
 

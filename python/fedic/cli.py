@@ -1,4 +1,4 @@
-"""The command line: ``fedic run`` and ``fedic demo``."""
+"""The command line: ``fedic run``, ``fedic demo`` and ``fedic experiment``."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,6 +13,7 @@ from fedic.progress import TerminalProgress
 
 if TYPE_CHECKING:
     from fedic.demo import Demo
+    from fedic.experiments import Outcome
     from fedic.run import Frame
 
 __all__ = ["app"]
@@ -84,6 +85,52 @@ def demo_command(
         write_demo(demo, output)
         _print_demo(demo)
         typer.echo(f"Images, results and error-maps.png in {output}")
+
+
+@app.command("experiment")
+def experiment_command(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Which one; all for all of them and the report page.")],
+    output: Annotated[Path, typer.Option("--output", help="Folder of the results.")] = Path("fedic-experiments"),
+    image: Annotated[
+        Path | None, typer.Option("--image", help="A real reference image, measured beside the synthetic one.")
+    ] = None,
+    star: Annotated[
+        tuple[Path, Path] | None,
+        typer.Option("--star", help="Reference and deformed image of the star of the DIC Challenge 2.0."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer sizes and draws, under a minute each.")] = False,
+) -> None:
+    """Run an experiment that a claim stands on, and say whether the claim holds."""
+    with _faults_reported():
+        import time
+
+        from fedic.experiments import EXPERIMENTS, Request, run_experiment, write_outcome, write_report
+        from fedic.files import make_folder
+        from fedic.images import read_image
+
+        real = None if image is None else read_image(image)
+        pair = None if star is None else (read_image(star[0]), read_image(star[1]))
+        make_folder(output)
+        for each in EXPERIMENTS if name == "all" else (name,):
+            start = time.perf_counter()
+            with TerminalProgress(each) as progress:
+                outcome = run_experiment(each, Request(quick, real, pair, progress.fraction))
+            write_outcome(outcome, output, quick=quick, seconds=time.perf_counter() - start)
+            _print_outcome(outcome)
+        typer.echo(f"Numbers, pictures and {write_report(output).name} in {output}")
+
+
+def _print_outcome(outcome: "Outcome") -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=f"{outcome.name}: {outcome.title}")
+    table.add_column("claim")
+    table.add_column("measured")
+    table.add_column("holds", no_wrap=True)
+    for claim in outcome.claims:
+        table.add_row(claim.text, claim.measured, "yes" if claim.holds else "NO")
+    Console().print(table)
 
 
 def _print_frame(frame: "Frame") -> None:

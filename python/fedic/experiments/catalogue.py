@@ -1,0 +1,49 @@
+"""The experiments by name."""
+
+from collections.abc import Callable
+from importlib import import_module
+
+from fedic.errors import FedicError
+from fedic.experiments.outcome import Outcome, Request
+
+__all__ = ["EXPERIMENTS", "run_experiment"]
+
+EXPERIMENTS = (
+    "fig7",
+    "fig8",
+    "fig14",
+    "fig15",
+    "fig16",
+    "noise",
+    "interpolation",
+    "resolution",
+    "convergence",
+    "distortion",
+)
+"""Names, in the order of the report."""
+
+
+def run_experiment(name: str, request: Request) -> Outcome:
+    """Run one experiment.
+
+    Parameters
+    ----------
+    name : str
+        One of `EXPERIMENTS`.
+    request : Request
+        What it is to run on.
+
+    Returns
+    -------
+    Outcome
+        What it found.
+
+    Raises
+    ------
+    FedicError
+        If there is no such experiment, or an image does not do.
+    """
+    if name not in EXPERIMENTS:
+        raise FedicError(f"There is no experiment {name!r}; choose one of {', '.join(EXPERIMENTS)}, or all.")
+    run: Callable[[Request], Outcome] = import_module(f"fedic.experiments.{name}").run
+    return run(request)

@@ -1,0 +1,132 @@
+"""What an experiment is asked, what it answers, and the files it leaves."""
+
+import csv
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from matplotlib.figure import Figure
+
+from fedic._core import __version__
+from fedic._types import Image
+from fedic.files import replacing, write_json
+from fedic.plot import save_figure
+
+__all__ = ["Claim", "Outcome", "Request", "Row", "write_outcome"]
+
+Row: TypeAlias = dict[str, str | int | float | bool]
+"""One line of an experiment's table: the same keys in all of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What an experiment is to run on.
+
+    Attributes
+    ----------
+    quick : bool
+        Fewer sizes and draws: a run under a minute, for a look and for the tests.
+    image : ndarray or None
+        A real reference image, measured beside the synthetic one.
+    star : (ndarray, ndarray) or None
+        Reference and deformed image of the star of the DIC Challenge 2.0, noisy pair.
+    progress : callable
+        Called with the fraction done.
+    """
+
+    quick: bool = False
+    image: Image | None = None
+    star: tuple[Image, Image] | None = None
+    progress: Callable[[float], object] = lambda _: None
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim and its verdict.
+
+    Attributes
+    ----------
+    text : str
+        What is claimed, with its figure.
+    measured : str
+        What was measured.
+    holds : bool
+        Whether it holds.
+    """
+
+    text: str
+    measured: str
+    holds: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What an experiment found.
+
+    Attributes
+    ----------
+    name : str
+        Name of the experiment, of which those of its files are made.
+    title : str
+        Its subject, in a line.
+    text : str
+        What was done, in a few sentences; Markdown.
+    rows : list of dict
+        The numbers, one dictionary of equal keys per measurement.
+    claims : list of Claim
+        The verdicts.
+    figures : dict of str to Figure
+        The pictures, by the ending of their file's name: ``""`` for the main one.
+    """
+
+    name: str
+    title: str
+    text: str
+    rows: list[Row]
+    claims: list[Claim]
+    figures: dict[str, Figure] = field(default_factory=dict)
+
+
+def write_outcome(outcome: Outcome, folder: Path, *, quick: bool, seconds: float) -> None:
+    """Write ``NAME.csv``, ``NAME.json`` and the pictures, each whole or not at all.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        From an experiment.
+    folder : Path
+        An existing folder.
+    quick : bool
+        Whether the run was a quick one.
+    seconds : float
+        How long it took.
+    """
+    pictures = []
+    for ending, figure in outcome.figures.items():
+        pictures.append(f"{outcome.name}-{ending}.png" if ending else f"{outcome.name}.png")
+        save_figure(figure, folder / pictures[-1])
+    with (
+        replacing(folder / f"{outcome.name}.csv") as temporary,
+        temporary.open("w", encoding="utf-8", newline="") as file,
+    ):
+        writer = csv.DictWriter(file, fieldnames=list(outcome.rows[0]))
+        writer.writeheader()
+        writer.writerows(outcome.rows)
+    content = {
+        "fedic": __version__,
+        "name": outcome.name,
+        "title": outcome.title,
+        "quick": quick,
+        "seconds": round(seconds, 1),
+        "text": outcome.text,
+        "claims": [asdict(claim) for claim in outcome.claims],
+        "pictures": pictures,
+        "rows": [{key: _json_value(value) for key, value in row.items()} for row in outcome.rows],
+    }
+    write_json(folder / f"{outcome.name}.json", content)
+
+
+def _json_value(value: str | float | bool) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,75 @@
+"""One page with every verdict and picture of the experiments in a folder."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from fedic.experiments.catalogue import EXPERIMENTS
+from fedic.files import replacing
+
+__all__ = ["write_report"]
+
+PAGE = "report.md"
+
+
+def write_report(folder: Path) -> Path:
+    """Write ``report.md`` from the outcomes found in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Where `write_outcome` has put some.
+
+    Returns
+    -------
+    Path
+        The page.
+    """
+    found = [_read(path) for name in EXPERIMENTS if (path := folder / f"{name}.json").exists()]
+    lines = [
+        "# Experiments",
+        "",
+        "Each can be run again by `fedic experiment NAME`, all of them by `fedic experiment all`. The numbers behind the "
+        "pictures are in the CSV and JSON files beside this page.",
+        "",
+        "| experiment | claims that hold | fedic | run |",
+        "| --- | --- | --- | --- |",
+    ]
+    for outcome in found:
+        held = sum(claim["holds"] for claim in outcome["claims"])
+        run = f"{'quick, ' if outcome['quick'] else ''}{outcome['seconds']:.0f} s"
+        lines.append(
+            f"| [{outcome['title']}](#{outcome['name']}) | {held} of {len(outcome['claims'])} | {outcome['fedic']} | {run} |"
+        )
+    for outcome in found:
+        lines += ["", *_section(outcome)]
+    page = folder / PAGE
+    with replacing(page) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return page
+
+
+def _read(path: Path) -> dict[str, Any]:
+    outcome: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return outcome
+
+
+def _section(outcome: dict[str, Any]) -> list[str]:
+    name = outcome["name"]
+    lines = [
+        f'<a id="{name}"></a>',
+        "",
+        f"## {outcome['title']}",
+        "",
+        f"`fedic experiment {name}`. {outcome['text']}",
+        "",
+    ]
+    lines += ["| claim | measured | holds |", "| --- | --- | --- |"]
+    for claim in outcome["claims"]:
+        cells = [str(claim["text"]), str(claim["measured"]), "yes" if claim["holds"] else "**no**"]
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    lines.append("")
+    for picture in outcome["pictures"]:
+        lines += [f"![{outcome['title']}]({picture})", ""]
+    lines.append(f"Numbers: [{name}.csv]({name}.csv), [{name}.json]({name}.json).")
+    return lines

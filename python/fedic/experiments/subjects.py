@@ -1,0 +1,173 @@
+"""The images under test, and the unstructured meshes laid on them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._core import ImageFrame, Mesh
+from fedic._types import CellName, Image
+from fedic.errors import ImageError
+from fedic.experiments.outcome import Request
+from fedic.gmsh_meshing import unstructured_mesh
+from fedic.synthetic import Speckle, fourier_shift, render
+
+__all__ = ["SIZES", "Subject", "pixel_mesh", "subjects", "window_mesh"]
+
+Window: TypeAlias = tuple[float, float, float, float]
+"""Left, top, right and bottom of the mesh, in pixels."""
+
+SIZES = (4, 6, 8, 10, 12, 15, 20, 25, 30)
+"""Edges of the elements, in pixels, of Fig. 7 and 14."""
+
+_WIDTH, _HEIGHT = 220.4, 320.6
+"""Of the mesh, in pixels: no whole number, as its corners."""
+_CORNER = (0.3, 0.7)
+_MARGIN = 40
+"""Pixels kept around the mesh."""
+_PATCH = 21
+"""Side of the squares whose texture is judged."""
+_SYNTHETIC_SPECKLE = 5.5
+_SYNTHETIC_LEVELS = (0.04, 0.96)
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A reference image and where the mesh lies in it.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in tables and pictures.
+    image : ndarray, shape (height, width)
+        The whole image.
+    left, top : int
+        Pixel that the window of the mesh starts in.
+    """
+
+    name: str
+    image: Image
+    left: int
+    top: int
+
+    @property
+    def window(self) -> Window:
+        """Bounds of the mesh in the cropped images."""
+        u, v = _MARGIN + _CORNER[0], _MARGIN + _CORNER[1]
+        return u, v, u + _WIDTH, v + _HEIGHT
+
+    @property
+    def reference(self) -> NDArray[np.float32]:
+        """The image around the window."""
+        return self._cropped(self.image.astype(np.float32))
+
+    def shifted(self, shift: tuple[float, float]) -> NDArray[np.float32]:
+        """Translate the image in the Fourier domain, not rounded, and crop it around the window.
+
+        Parameters
+        ----------
+        shift : (float, float)
+            Motion along columns and rows, in pixels.
+
+        Returns
+        -------
+        ndarray of float32
+            Of the shape of `reference`.
+        """
+        return self._cropped(fourier_shift(self.image, shift))
+
+    def _cropped(self, image: NDArray[np.float32]) -> NDArray[np.float32]:
+        rows = slice(self.top - _MARGIN, self.top + round(_HEIGHT) + _MARGIN)
+        columns = slice(self.left - _MARGIN, self.left + round(_WIDTH) + _MARGIN)
+        return np.ascontiguousarray(image[rows, columns])
+
+
+def subjects(request: Request) -> list[Subject]:
+    """Return the synthetic image and, where one is given, the real one.
+
+    Parameters
+    ----------
+    request : Request
+        With the real image or without.
+
+    Returns
+    -------
+    list of Subject
+        The synthetic one first.
+    """
+    found = [_synthetic()]
+    if request.image is not None:
+        found.append(_real(request.image))
+    return found
+
+
+def window_mesh(window: Window, size: float, cell: CellName) -> Mesh:
+    """Make the unstructured mesh of a window.
+
+    Parameters
+    ----------
+    window : tuple
+        Left, top, right and bottom, in pixels.
+    size : float
+        Edge of the elements.
+    cell : str
+        Their kind.
+
+    Returns
+    -------
+    Mesh
+        In the image frame; the same for the same arguments.
+    """
+    left, top, right, bottom = window
+    return pixel_mesh(((left, top), (right, top), (right, bottom), (left, bottom)), size, cell)
+
+
+@lru_cache(maxsize=64)
+def pixel_mesh(corners: Sequence[tuple[float, float]], size: float, cell: CellName) -> Mesh:
+    """Make an unstructured mesh of a polygon once.
+
+    Parameters
+    ----------
+    corners : sequence of (float, float)
+        The corners in order; hashable.
+    size : float
+        Edge of the elements, in the unit of the corners.
+    cell : str
+        Their kind.
+
+    Returns
+    -------
+    Mesh
+        The mesh.
+    """
+    return unstructured_mesh(corners, size=size, cell=cell)
+
+
+def _synthetic() -> Subject:
+    shape = (round(_HEIGHT) + 4 * _MARGIN, round(_WIDTH) + 4 * _MARGIN)
+    texture = Speckle(_SYNTHETIC_SPECKLE, seed=0)
+    image = render(texture, ImageFrame(), shape, levels=_SYNTHETIC_LEVELS)
+    return Subject("synthetic", image, 2 * _MARGIN, 2 * _MARGIN)
+
+
+def _real(image: Image) -> Subject:
+    """Lay the window where the poorest texture in it is the best."""
+    height, width = image.shape
+    need_u, need_v = round(_WIDTH) + 2 * _MARGIN, round(_HEIGHT) + 2 * _MARGIN
+    if width < need_u or height < need_v:
+        raise ImageError(
+            f"--image: the experiment lays a mesh of {_WIDTH} x {_HEIGHT} px with a margin on the image, which must have at "
+            f"least {need_u} x {need_v} px (columns x rows); it has {width} x {height}."
+        )
+    grey = image.astype(np.float32)
+    slopes = [cv2.Sobel(grey, cv2.CV_32F, along_u, 1 - along_u) for along_u in (0, 1)]
+    texture = cv2.boxFilter(slopes[0] ** 2 + slopes[1] ** 2, cv2.CV_32F, (_PATCH, _PATCH))
+    window = np.ones((round(_HEIGHT), round(_WIDTH)), dtype=np.uint8)
+    poorest = cv2.erode(texture, window, anchor=(0, 0))
+    inside = poorest[_MARGIN : height - round(_HEIGHT) - _MARGIN + 1, _MARGIN : width - round(_WIDTH) - _MARGIN + 1]
+    row, column = np.unravel_index(int(np.argmax(inside)), inside.shape)
+    return Subject("real", image, _MARGIN + int(column), _MARGIN + int(row))

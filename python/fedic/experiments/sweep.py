@@ -1,0 +1,111 @@
+"""Measuring a known motion and summing up the errors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fedic._core import ImageFrame, Mesh
+from fedic._types import Camera, Floats, Image
+from fedic.correlation import Correlator
+from fedic.errors import SolveError
+from fedic.experiments.settings import Setting
+from fedic.quadrature import Quadrature
+
+__all__ = ["Accuracy", "measure_shifts"]
+
+TOLERANCE = 1e-5
+MOST_ITERATIONS = 400
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Errors of the measured displacement along ``u``, over the nodes, averaged over several motions.
+
+    Attributes
+    ----------
+    bias : float
+        Mean over the motions of the absolute mean error, in pixels.
+    std : float
+        Mean over the motions of the standard deviation of the error, in pixels.
+    iterations : int
+        Most iterations.
+    converged : bool
+        Whether all measurements converged. Where one could not be made the figures are NaN.
+    num_points : int
+        Quadrature points.
+    """
+
+    bias: float
+    std: float
+    iterations: int
+    converged: bool
+    num_points: int
+
+    def as_row(self) -> dict[str, Any]:
+        """Return the entries of a table's row."""
+        return {
+            "bias_px": self.bias,
+            "std_px": self.std,
+            "iterations": self.iterations,
+            "converged": self.converged,
+            "points": self.num_points,
+        }
+
+
+def measure_shifts(
+    reference: Image,
+    deformed: Sequence[Image],
+    shifts: Sequence[tuple[float, float]],
+    mesh: Mesh,
+    setting: Setting,
+    quadrature: Quadrature,
+    camera: Camera = ImageFrame(),
+) -> Accuracy:
+    """Measure images moved by known translations of the whole, without brightness correction.
+
+    Parameters
+    ----------
+    reference : ndarray
+        The image at rest.
+    deformed : sequence of ndarray
+        The images moved.
+    shifts : sequence of (float, float)
+        Their motions, in pixels.
+    mesh : Mesh
+        In the image frame.
+    setting : Setting
+        Interpolation, gradient and prefilter.
+    quadrature : Quadrature
+        Where the points lie.
+    camera : camera
+        `ImageFrame` for a mesh in pixels.
+
+    Returns
+    -------
+    Accuracy
+        Over the nodes and the motions.
+    """
+    correlator = Correlator(
+        reference,
+        mesh,
+        camera,
+        quadrature=quadrature,
+        brightness=None,
+        tolerance=TOLERANCE,
+        max_iterations=MOST_ITERATIONS,
+        **setting.options,
+    )
+    biases, stds, iterations, converged = [], [], 0, True
+    for image, shift in zip(deformed, shifts, strict=True):
+        try:
+            result = correlator.correlate(image)
+        except SolveError:
+            return Accuracy(np.nan, np.nan, MOST_ITERATIONS, False, correlator.num_points)
+        errors: Floats = result.pixel_displacement[:, 0] - shift[0]
+        biases.append(abs(float(errors.mean())))
+        stds.append(float(errors.std()))
+        iterations = max(iterations, result.iterations)
+        converged &= result.converged
+    return Accuracy(float(np.mean(biases)), float(np.mean(stds)), iterations, converged, correlator.num_points)
