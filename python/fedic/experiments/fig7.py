@@ -1,14 +1,12 @@
 """Fig. 7 of the paper: uncertainty and bias of the two quadratures over element size, under sub-pixel translations."""
 
-from collections.abc import Callable
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fedic._types import CellName
-from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT, PAPER, PAPER_SPLINES, UNFILTERED, Setting
+from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
+from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, PAPER_SPLINES, UNFILTERED, Setting
 from fedic.experiments.subjects import SIZES, Subject, subjects, window_mesh
 from fedic.experiments.sweep import measure_shifts
 
@@ -48,23 +46,21 @@ def run(request: Request) -> Outcome:
     sizes = QUICK_SIZES if request.quick else SIZES
     rows: list[Row] = []
     for index, subject in enumerate(images):
-        rows += _measure(subject, sizes, lambda done, index=index: request.progress((index + done) / len(images)))  # type: ignore[misc]
+        rows += _measure(subject, sizes, request.part(index, len(images)))
     return Outcome(
         "fig7",
         "Pixel against mesh quadrature over element size",
-        "The reference image is translated by 0.3, 0.4 and 0.5 px along the columns in the Fourier domain, without rounding. "
-        "Unstructured meshes of 220 x 321 px with corners off the pixels measure the translation without brightness "
-        "correction; bias and standard deviation of the error over the nodes are averaged over the three motions "
-        "(paper, Sect. 4.2). *paper*: bicubic interpolation, finite-difference gradients, diameter rule; *paper, bspline3*: "
-        "the same with cubic B-splines; *unfiltered*: the default without prefilter; *default*: what `correlate` does when "
-        "told nothing.",
+        "The reference image is translated by 0.3, 0.4 and 0.5 px along the columns in the Fourier domain, without "
+        "rounding. Unstructured meshes of 220 x 321 px with corners off the pixels measure the translation without "
+        "brightness correction; bias and standard deviation of the error over the nodes are averaged over the three "
+        f"motions (paper, Sect. 4.2). {LEGEND}",
         rows,
         [claim for subject in images for claim in _claims(subject.name, rows)],
         {"": _figure([subject.name for subject in images], rows)},
     )
 
 
-def _measure(subject: Subject, sizes: tuple[int, ...], progress: Callable[[float], object]) -> list[Row]:
+def _measure(subject: Subject, sizes: tuple[int, ...], progress: Progressed) -> list[Row]:
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in SHIFTS]
     rows: list[Row] = []
@@ -92,10 +88,10 @@ def _measure(subject: Subject, sizes: tuple[int, ...], progress: Callable[[float
 def _pick(rows: list[Row], image: str, setting: Setting, kind: str) -> dict[tuple[str, int], Row]:
     """Rows of the sizes that claims are made of, by cell and size."""
     return {
-        (str(row["cell"]), int(row["size_px"])): row
+        (row["cell"], row["size_px"]): row
         for row in rows
         if (row["image"], row["setting"], row["quadrature"]) == (image, setting.name, kind)
-        and int(row["size_px"]) >= SMALLEST_CLAIMED
+        and row["size_px"] >= SMALLEST_CLAIMED
     }
 
 
@@ -103,26 +99,26 @@ def _claims(image: str, rows: list[Row]) -> list[Claim]:
     claims = []
     for setting in (PAPER, PAPER_SPLINES):
         pixel, mesh = _pick(rows, image, setting, "pixel"), _pick(rows, image, setting, "mesh")
-        gains = np.array([float(pixel[key]["bias_px"]) / float(mesh[key]["bias_px"]) for key in mesh])
-        noise = np.array([float(mesh[key]["std_px"]) / float(pixel[key]["std_px"]) for key in mesh])
+        gains = np.array([pixel[key]["bias_px"] / mesh[key]["bias_px"] for key in mesh])
+        noise = np.array([mesh[key]["std_px"] / pixel[key]["std_px"] for key in mesh])
         claims.append(
             Claim(
-                f"{image} image, {setting.name}: bias of pixel quadrature at least {GAIN:g} times that of mesh quadrature, "
-                f"every size from {SMALLEST_CLAIMED} px",
+                f"{image} image, {setting.name}: bias of pixel quadrature at least {GAIN:g} times that of mesh "
+                f"quadrature at every size from {SMALLEST_CLAIMED} px",
                 f"{gains.min():.1f} to {gains.max():.1f} times",
                 bool(gains.min() >= GAIN),
             )
         )
         claims.append(
             Claim(
-                f"{image} image, {setting.name}: standard deviation of mesh quadrature not above that of pixel quadrature",
+                f"{image} image, {setting.name}: standard deviation of mesh quadrature not above pixel quadrature's",
                 f"{noise.min():.2f} to {noise.max():.2f} times",
                 bool(noise.max() <= 1.0),
             )
         )
     default, paper = _pick(rows, image, DEFAULT, "mesh"), _pick(rows, image, PAPER, "mesh")
-    bias = max(float(row["bias_px"]) for row in default.values())
-    ratio = max(float(default[key]["std_px"]) / float(paper[key]["std_px"]) for key in default)
+    bias = max(row["bias_px"] for row in default.values())
+    ratio = max(default[key]["std_px"] / paper[key]["std_px"] for key in default)
     claims.append(
         Claim(
             f"{image} image, default: bias at most {LARGEST_BIAS:g} px at every size from {SMALLEST_CLAIMED} px",
@@ -157,8 +153,8 @@ def _draw(axes: Axes, rows: list[Row], key: str) -> None:
         for cell, marker in _MARKERS.items():
             line = [row for row in rows if (row["setting"], row["quadrature"], row["cell"]) == (setting, kind, cell)]
             axes.plot(
-                [float(row["size_px"]) for row in line],
-                [float(row[key]) for row in line],
+                [row["size_px"] for row in line],
+                [row[key] for row in line],
                 marker=marker,
                 color=colour,
                 linestyle="-" if cell == "quad" else "--",

@@ -14,10 +14,13 @@ from fedic._types import Image
 from fedic.files import replacing, write_json
 from fedic.plot import save_figure
 
-__all__ = ["Claim", "Outcome", "Request", "Row", "write_outcome"]
+__all__ = ["Claim", "Outcome", "Progressed", "Request", "Row", "write_outcome"]
 
-Row: TypeAlias = dict[str, str | int | float | bool]
-"""One line of an experiment's table: the same keys in all of them."""
+Row: TypeAlias = dict[str, Any]
+"""One line of an experiment's table, of strings, numbers and truth values: the same keys in all of them."""
+
+Progressed: TypeAlias = Callable[[float], object]
+"""Told the fraction done."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,22 @@ class Request:
     quick: bool = False
     image: Image | None = None
     star: tuple[Image, Image] | None = None
-    progress: Callable[[float], object] = lambda _: None
+    progress: Progressed = lambda _: None
+
+    def part(self, index: int, count: int) -> Progressed:
+        """Return the progress of one of several equal parts.
+
+        Parameters
+        ----------
+        index, count : int
+            Which part, and how many there are.
+
+        Returns
+        -------
+        callable
+            Called with the fraction of the part done.
+        """
+        return lambda done: self.progress((index + done) / count)
 
 
 @dataclass(frozen=True)
@@ -128,5 +146,5 @@ def write_outcome(outcome: Outcome, folder: Path, *, quick: bool, seconds: float
     write_json(folder / f"{outcome.name}.json", content)
 
 
-def _json_value(value: str | float | bool) -> Any:
+def _json_value(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -29,18 +29,17 @@ def write_report(folder: Path) -> Path:
     lines = [
         "# Experiments",
         "",
-        "Each can be run again by `fedic experiment NAME`, all of them by `fedic experiment all`. The numbers behind the "
-        "pictures are in the CSV and JSON files beside this page.",
+        "Each can be run again by `fedic experiment NAME`, all of them by `fedic experiment all`. The numbers behind "
+        "the pictures are in the CSV and JSON files beside this page.",
         "",
         "| experiment | claims that hold | fedic | run |",
         "| --- | --- | --- | --- |",
     ]
     for outcome in found:
         held = sum(claim["holds"] for claim in outcome["claims"])
+        link = f"[{outcome['title']}](#{outcome['name']})"
         run = f"{'quick, ' if outcome['quick'] else ''}{outcome['seconds']:.0f} s"
-        lines.append(
-            f"| [{outcome['title']}](#{outcome['name']}) | {held} of {len(outcome['claims'])} | {outcome['fedic']} | {run} |"
-        )
+        lines.append(f"| {link} | {held} of {len(outcome['claims'])} | {outcome['fedic']} | {run} |")
     for outcome in found:
         lines += ["", *_section(outcome)]
     page = folder / PAGE

@@ -6,7 +6,7 @@ from typing import Any
 
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
-__all__ = ["DEFAULT", "PAPER", "PAPER_SPLINES", "UNFILTERED", "Setting"]
+__all__ = ["DEFAULT", "LEGEND", "PAPER", "PAPER_SPLINES", "UNFILTERED", "Setting"]
 
 
 @dataclass(frozen=True)
@@ -59,3 +59,8 @@ UNFILTERED = Setting("unfiltered", {"prefilter": 0.0}, MeshQuadrature())
 """The default of fedic without its prefilter: the least noise."""
 DEFAULT = Setting("default", {}, MeshQuadrature())
 """What `fedic.correlate` does when told nothing."""
+LEGEND = (
+    "*paper*: bicubic interpolation, finite-difference gradients, diameter rule; *paper, bspline3*: the same with "
+    "cubic B-splines; *unfiltered*: the default without prefilter; *default*: what `correlate` does when told nothing."
+)
+"""The settings, for the text of an outcome."""

@@ -160,7 +160,7 @@ def _real(image: Image) -> Subject:
     need_u, need_v = round(_WIDTH) + 2 * _MARGIN, round(_HEIGHT) + 2 * _MARGIN
     if width < need_u or height < need_v:
         raise ImageError(
-            f"--image: the experiment lays a mesh of {_WIDTH} x {_HEIGHT} px with a margin on the image, which must have at "
+            f"The experiment lays a mesh of {_WIDTH} x {_HEIGHT} px with a margin on the image, which must have at "
             f"least {need_u} x {need_v} px (columns x rows); it has {width} x {height}."
         )
     grey = image.astype(np.float32)

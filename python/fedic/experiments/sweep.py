@@ -13,9 +13,10 @@ from fedic.errors import SolveError
 from fedic.experiments.settings import Setting
 from fedic.quadrature import Quadrature
 
-__all__ = ["Accuracy", "measure_shifts"]
+__all__ = ["Accuracy", "draw_displacements", "measure_shifts", "noise_of", "rms"]
 
 TOLERANCE = 1e-5
+TOLERANCE_NOISE = 1e-4
 MOST_ITERATIONS = 400
 
 
@@ -109,3 +110,101 @@ def measure_shifts(
         iterations = max(iterations, result.iterations)
         converged &= result.converged
     return Accuracy(float(np.mean(biases)), float(np.mean(stds)), iterations, converged, correlator.num_points)
+
+
+def noise_of(
+    reference: Image,
+    deformed: Image,
+    mesh: Mesh,
+    setting: Setting,
+    quadrature: Quadrature,
+    noise: float,
+    draws: int,
+    *,
+    start: tuple[float, float] = (0.0, 0.0),
+) -> Floats:
+    """Measure the standard deviation of the nodal displacement under noise on both images.
+
+    Parameters
+    ----------
+    reference, deformed : ndarray
+        The images without that noise.
+    mesh : Mesh
+        In the image frame.
+    setting : Setting
+        Interpolation, gradient and prefilter.
+    quadrature : Quadrature
+        Where the points lie.
+    noise : float
+        Standard deviation of the noise of each image, in grey levels; the same draws at every call.
+    draws : int
+        Number of pairs.
+    start : (float, float)
+        Displacement the iterations start from, in pixels.
+
+    Returns
+    -------
+    ndarray of float, shape (n, 2)
+        Along ``u`` and ``v``, in pixels.
+    """
+    found = draw_displacements(
+        reference, deformed, mesh, quadrature, noise, draws, start=start, brightness=None, **setting.options
+    )
+    return np.asarray(found.std(axis=0, ddof=1))
+
+
+def draw_displacements(
+    reference: Image,
+    deformed: Image,
+    mesh: Mesh,
+    quadrature: Quadrature,
+    noise: float,
+    draws: int,
+    *,
+    start: tuple[float, float] = (0.0, 0.0),
+    **options: Any,
+) -> Floats:
+    """Measure pairs of images with independent Gaussian noise on both.
+
+    Parameters
+    ----------
+    reference, deformed, mesh, quadrature, noise, draws, start
+        See `noise_of`.
+    **options
+        Of `fedic.correlate`.
+
+    Returns
+    -------
+    ndarray of float, shape (draws, n, 2)
+        Nodal displacements, in pixels.
+    """
+    rng = np.random.default_rng(0)
+    initial = np.broadcast_to(np.asarray(start), (mesh.num_nodes, 2))
+
+    def noisy(image: Image) -> Image:
+        return (image + rng.normal(0.0, noise, image.shape)).astype(np.float32)
+
+    return np.stack(
+        [
+            Correlator(noisy(reference), mesh, quadrature=quadrature, tolerance=TOLERANCE_NOISE, **options)
+            .correlate(noisy(deformed), initial=initial)
+            .displacement
+            for _ in range(draws)
+        ]
+    )
+
+
+def rms(values: Floats) -> float:
+    """Return the root mean square.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of any shape.
+
+    Returns
+    -------
+    float
+        In their unit.
+    """
+    return float(np.sqrt(np.mean(values**2)))
