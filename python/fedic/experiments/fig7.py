@@ -144,7 +144,7 @@ def _figure(images: list[str], rows: list[Row]) -> Figure:
             _draw(axes, [row for row in rows if row["image"] == image], key)
             axes.set(xlabel="element size (px)", ylabel=f"{label} (px)", yscale="log", title=f"{image} image: {label}")
             axes.grid(visible=True, which="both", alpha=0.25)
-    panels[0][1].legend(fontsize="small", ncols=2)
+    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize="small")
     return figure
 
 
