@@ -68,7 +68,7 @@ def test_noise_is_the_predicted_one() -> None:
     outcome = run_experiment("noise", Request(quick=True))
     for row in pick(outcome, cell="quad"):
         assert row["draws"] >= 200
-        assert abs(row["mean_ratio"] - 1.0) < 0.05
+        assert abs(row["measured_over_predicted"] - 1.0) < 0.05
         assert row["mean_error_in_uncertainties"] < 3.0
         assert row["as_a_user_px"] == pytest.approx(row["predicted_px"], rel=0.05)
     assert {row["cell"] for row in outcome.rows} == {"triangle", "triangle6", "quad", "quad8", "quad9"}

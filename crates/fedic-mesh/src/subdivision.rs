@@ -7,8 +7,9 @@ use crate::CellType;
 /// How finely a cell is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
-    /// Each direction of a quad by the whole pixels in the shorter of its two edges, a triangle by the root of its area:
-    /// about one point per pixel, never more along an edge.
+    /// Each direction of a quad by the whole pixels in the shorter of its two edges: about one point per pixel, never more
+    /// along an edge. A triangle by the root of its area and a half: the centres of sub-triangles leave larger gaps, and it
+    /// takes 1.5 points per pixel for the same noise.
     Edges,
     /// As many points as [`Edges`](Self::Edges), those of a quad on a grid turned about its centre by the angle that takes
     /// the points across their parts from one end of the longer rows to the other. Points a pixel apart keep the same place in their pixels all along the
@@ -34,6 +35,9 @@ impl FromStr for Rule {
         }
     }
 }
+
+/// Of the rules that aim at the fewest points without more noise.
+const TRIANGLE_POINTS_PER_PIXEL: f64 = 1.5;
 
 /// A reference domain cut into equal parts, one quadrature point in each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -67,7 +71,7 @@ impl Subdivision {
             Rule::Diameter => Self::uniform(cell_type, whole((diameter(cell_type, pixels) * per_length).ceil())),
             Rule::Edges | Rule::Rotated if cell_type.is_triangle() => {
                 let outline = cell_type.outline().iter().map(|&a| pixels[a]);
-                Self::Triangle { n: whole(polygon_area(outline).sqrt() * per_length) }
+                Self::Triangle { n: whole((TRIANGLE_POINTS_PER_PIXEL * polygon_area(outline)).sqrt() * per_length) }
             }
             Rule::Edges | Rule::Rotated => {
                 let shorter = |one, other| {

@@ -120,7 +120,7 @@ def _claims(image: str, rows: list[Row]) -> list[Claim]:
                 _listed(one),
                 bool(np.abs(one - 1.0).max() <= 0.03),
             ),
-            Claim(f"{head}: at half the points 4 to 10 % more noise", _listed(half), bool(half.min() >= 1.04)),
+            Claim(f"{head}: at half the points at least 4 % more noise", _listed(half), bool(half.min() >= 1.04)),
             Claim(
                 f"{head}: at twice the points less than 2 % gained",
                 _listed(twice),
