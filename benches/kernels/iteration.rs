@@ -1,8 +1,8 @@
 //! Correlating a pair of 5 megapixels, per quadrature point and iteration: 20 px quads, cubic B-spline, pinhole with one
 //! radial coefficient.
 //!
-//! `correlate/1` is a whole measurement of one iteration: prefilter of the deformed image, residual, right-hand side,
-//! solution. In `correlate/5` the prefilter is shared by five iterations. `stream` only reads what an iteration reads from
+//! `correlate/1` is a whole measurement of one iteration: coefficients of the deformed image, residual, right-hand side,
+//! solution. In `correlate/5` the coefficients are shared by five iterations. `stream` only reads what an iteration reads from
 //! memory, and nothing else: no iteration can be faster.
 
 #![allow(clippy::unwrap_used, missing_docs)]
@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use fedic::{CellType, Correlator, Options, Start};
+use fedic::{CellType, Correlator, Interpolation, Options, Start};
 use fedic_benches::{DISTANCE, FOCAL, Picture, SENSOR, criterion, lens, pinhole, pool, world_mesh};
 use rayon::prelude::*;
 
@@ -32,6 +32,8 @@ fn iteration(c: &mut Criterion) {
         let mut num_points = 0;
         for iterations in [1, 5] {
             let options = Options {
+                interpolation: Interpolation::Bspline3,
+                prefilter: 0.0,
                 num_threads: Some(threads),
                 max_iterations: iterations,
                 tolerance: f64::MIN_POSITIVE,
