@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import Speckle
+from fedic._core import Speckle, aperture_points
 from fedic._types import Camera, Floats
 from fedic.errors import ImageError
 
@@ -84,18 +84,13 @@ def render(
         )
     full_scale = 2**bits - 1
     dark, bright = levels
-    offsets = (np.arange(supersampling) + 0.5) / supersampling - 0.5
-    u = (np.arange(width)[:, np.newaxis] + offsets).ravel()
     rows_per_chunk = max(1, _POINTS_PER_CHUNK // (width * supersampling**2))
     grey = np.empty(shape)
     for first in range(0, height, rows_per_chunk):
         last = min(first + rows_per_chunk, height)
-        v = (np.arange(first, last)[:, np.newaxis] + offsets).ravel()
-        pixels = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-        positions = np.ascontiguousarray(camera.unproject(pixels, z)[:, :2])
-        values = texture.values(_material_points(positions, displacement))
-        samples = values.reshape(last - first, supersampling, width, supersampling)
-        grey[first:last] = samples.mean(axis=(1, 3))
+        positions = aperture_points(camera, (first, last), width, supersampling, z)
+        values = texture.values(_material_points(positions.reshape(-1, 2), displacement))
+        grey[first:last] = values.reshape(last - first, width, -1).mean(axis=2)
         if progress is not None:
             progress(last / height)
     grey = full_scale * (dark + (bright - dark) * grey)
