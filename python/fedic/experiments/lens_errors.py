@@ -17,10 +17,7 @@ from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE
 from fedic.quadrature import Quadrature
 from fedic.result import Result
 
-__all__ = ["LENS", "LensAccuracy", "Measurement", "measure", "measure_pairs", "rounding_bound"]
-
-LENS = {"mesh": True, "pixel": False}
-"""Whether the camera is in the projector: with points in the mesh it is, with pixels the lens is ignored."""
+__all__ = ["LensAccuracy", "Measurement", "measure", "measure_pairs", "rounding_bound", "sum_up"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +179,22 @@ def measure_pairs(
             found.append(measure(scene, pair, mesh, setting, quadrature, lens=lens))
         except SolveError:
             return LensAccuracy((np.nan, np.nan), (np.nan, np.nan), MOST_ITERATIONS, False, 0)
+    return sum_up(found)
+
+
+def sum_up(found: Sequence[Measurement]) -> LensAccuracy:
+    """Average the errors of several measurements.
+
+    Parameters
+    ----------
+    found : sequence of Measurement
+        One per texture.
+
+    Returns
+    -------
+    LensAccuracy
+        Over the nodes and the textures.
+    """
     bias = np.abs([each.bias for each in found]).mean(axis=0)
     std = np.mean([each.std for each in found], axis=0)
     return LensAccuracy(
