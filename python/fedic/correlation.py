@@ -181,6 +181,58 @@ class Correlator:
         """
         return self._core.residual_map(self._reference, as_pair(self._reference, deformed), displacement)
 
+    def standard_deviations(self, noise: float) -> Floats:
+        """Predict the standard deviation of the displacement from the noise of the images.
+
+        Parameters
+        ----------
+        noise : float
+            Standard deviation, in grey levels, of the noise of one image as recorded, before any prefilter.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, 2)
+            Standard deviation of each node's displacement, in the mesh's unit; NaN at nodes that no cell uses.
+
+        Raises
+        ------
+        SolveError
+            If the noise is negative or not finite.
+
+        Notes
+        -----
+        The noise is taken as white from pixel to pixel and the same in both images. The covariance of the displacement
+        is then
+
+            2 noise^2 A^-1 B A^-1,   A = sum w q q^T,   B = sum (w^2 / p) h h^T
+
+        over the quadrature points: ``w`` their weights, ``p`` the pixels each stands for, ``q`` the shape functions
+        times the gradient of the reference image in the mesh's frame, ``h`` the same of the image filtered once more
+        (``q`` itself without a prefilter); ``A`` includes the regularization. With one point per pixel, as many pixels
+        per area everywhere and neither prefilter nor regularization this is the Cramer-Rao bound
+        ``2 noise^2 (sum q q^T)^-1``. ``p`` counts up to the pixels that a reading of the image averages, 1.25 or
+        ``4 pi prefilter^2`` if more: points further apart read noise of their own.
+
+        On a speckle of 5 pixels and cells of 20, with a noise of 5 to 10 % of the root mean square of the gradient per
+        pixel, the scatter measured over 200 draws is 0.96 to 1.05 times the prediction: for every type of cell, by the
+        default options and by "bspline5" after a prefilter of 0.8 pixels; in quads, for every interpolation. Limits:
+
+        - Only the scatter is predicted: not the bias of interpolation and noise, nor that of a mesh too coarse for the
+          field.
+        - The sensitivity is that of the analytic gradient: with ``gradient="finite-difference"`` the scatter is 0.9
+          times the prediction.
+        - Shape functions are taken as constant over the width of the prefilter: with one of 0.8 pixels in cells of 8,
+          the scatter is 0.93 times the prediction.
+        - Few points with a prefilter scatter more: with one of 0.8 pixels and 16 pixels per point, 1.2 times the
+          prediction.
+        - The noise of the reference image adds to its gradient: with a noise of 30 % of the gradient and no prefilter,
+          the scatter is 1.1 to 1.2 times the prediction.
+
+        The cost is one solution of the system per unknown, shared by the threads: on one core about 0.6 s for 2 000
+        nodes and 15 s for 10 000.
+        """
+        return self._core.standard_deviations(self._reference, noise)
+
 
 def correlate(
     reference: Image,

@@ -126,6 +126,19 @@ impl Correlator {
         PyArray::from_vec(py, map).reshape([height, width])
     }
 
+    /// Standard deviation of the displacement of each node, (n, 2) float64; see `fedic.Correlator.standard_deviations`.
+    fn standard_deviations<'py>(
+        &self,
+        py: Python<'py>,
+        reference: &Bound<'py, PyAny>,
+        noise: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let grey = GreyArray::borrow(reference, REFERENCE)?;
+        let view = grey.view(REFERENCE)?;
+        let deviations = run(py, None, |monitor| self.inner.standard_deviations(view, noise, monitor))?;
+        to_array(py, &deviations)
+    }
+
     /// Quadrature points.
     ///
     /// Returns

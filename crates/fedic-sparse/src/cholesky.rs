@@ -125,17 +125,18 @@ impl Factor {
         diagonal.iter().enumerate().map(|(k, l)| (order.map_or(k, |order| order[k]), l * l)).collect()
     }
 
-    /// Solves `A x = b`; `rhs` holds `b` and becomes `x`.
+    /// Solves `A x = b` for one right-hand side or several, one after the other; `rhs` holds them and becomes the solutions.
     ///
     /// # Panics
     ///
-    /// If `rhs` does not have one entry per unknown.
+    /// If `rhs` does not have one entry per unknown and right-hand side.
     pub fn solve(&self, rhs: &mut [f64]) {
         let dofs = self.symbolic.nrows();
-        let mut buffer = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
+        let columns = rhs.len() / dofs;
+        let mut buffer = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
         LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, dofs, 1),
+            MatMut::from_column_major_slice_mut(rhs, dofs, columns),
             Par::Seq,
             MemStack::new(&mut buffer),
         );

@@ -83,4 +83,29 @@ impl SymmetricMatrix {
         }
         y
     }
+
+    /// Quadratic form `x^T A x`.
+    ///
+    /// # Panics
+    ///
+    /// If `x` is shorter than the number of unknowns.
+    pub fn quadratic_form(&self, pattern: &Pattern, x: &[f64]) -> f64 {
+        let d = pattern.block();
+        let mut sum = 0.0;
+        for node in 0..pattern.num_nodes() {
+            let rows = pattern.node_column(node);
+            for j in 0..d {
+                let start = pattern.column_start(node, j);
+                let mut below = 0.0;
+                for (block, &row) in rows.iter().enumerate() {
+                    for i in if block == 0 { j + 1..d } else { 0..d } {
+                        below += self.values[start + block * d + i - j] * x[row as usize * d + i];
+                    }
+                }
+                let x = x[node * d + j];
+                sum += x * (self.values[start] * x + 2.0 * below);
+            }
+        }
+        sum
+    }
 }

@@ -76,9 +76,12 @@ proptest! {
                 prop_assert!((ours - theirs).abs() < 1e-12);
             }
         }
-        let mut solved = b;
+        let form: f64 = x.iter().zip(&b).map(|(x, b)| x * b).sum();
+        prop_assert!((matrix.quadratic_form(&pattern, &x) - form).abs() < 1e-12 * form.max(1.0));
+        let reversed: Vec<f64> = x.iter().rev().copied().collect();
+        let mut solved = [b, dense_product(&dense, &reversed)].concat();
         Cholesky::new(&pattern).unwrap().factorize(&matrix).unwrap().solve(&mut solved);
-        for (ours, theirs) in solved.iter().zip(&x) {
+        for (ours, theirs) in solved.iter().zip(x.iter().chain(&reversed)) {
             prop_assert!((ours - theirs).abs() < 1e-9);
         }
     }

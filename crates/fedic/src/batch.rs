@@ -5,6 +5,7 @@
 use fedic_camera::Camera;
 use fedic_mesh::{CellType, MAX_NODES, shape_values_batch};
 
+use crate::Sampler;
 use crate::cell_quadrature::CellQuadrature;
 
 /// Points per batch.
@@ -114,6 +115,21 @@ impl Batch {
         let [u, v] = &mut self.pixel;
         let mut jacobian = self.jacobian.each_mut().map(|row| row.each_mut().map(|entry| &mut entry[..n]));
         camera.project_with_jacobian_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n], &mut jacobian);
+    }
+
+    /// Reads an image at the projected points: their grey levels and gradients, NaN outside the image.
+    pub(crate) fn read(&mut self, image: &Sampler) {
+        let n = self.len;
+        let ([u, v], [along_u, along_v]) = (&self.pixel, &mut self.gradient);
+        image.values_and_gradients(&u[..n], &v[..n], &mut self.grey[..n], [&mut along_u[..n], &mut along_v[..n]]);
+    }
+
+    /// Area in pixels, per area of the reference domain, of a cell whose map has the Jacobian `tangents` at point `k`.
+    pub(crate) fn pixel_element(&self, k: usize, tangents: &[[f64; 2]; 3]) -> f64 {
+        let [[a, b], [c, d]] = self.jacobian.each_ref().map(|row| {
+            [0, 1].map(|t| row.iter().zip(tangents).map(|(entry, tangent)| entry[k] * tangent[t]).sum::<f64>())
+        });
+        (a * d - b * c).abs()
     }
 
     /// Component `c` of `q = J_P^T grad f` at point `k`.

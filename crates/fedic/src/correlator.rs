@@ -13,7 +13,9 @@ use crate::pyramid::Pyramid;
 use crate::residual::Evaluator;
 use crate::sampler::value_interpolator;
 use crate::system::System;
-use crate::{COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map};
+use crate::{
+    COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map, uncertainty,
+};
 
 /// Where the iterations start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,6 +139,44 @@ impl Correlator {
             let interpolator = |view| value_interpolator(view, self.options.interpolation, self.options.prefilter);
             let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
             residual_map::residual_map(&self.evaluator(&deformed), &reference, &displacement, monitor)
+        })
+    }
+
+    /// Standard deviation of the displacement of each node that the noise of the images causes, in the mesh's unit; NaN at
+    /// nodes that no cell uses.
+    ///
+    /// `reference` is the image this correlator was made of. `noise` is the standard deviation, in grey levels, of the noise
+    /// of one image as recorded, before any prefilter: white from pixel to pixel, and the same in both images.
+    ///
+    /// The standard deviations are the roots of the diagonal of `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a
+    /// regularization included. `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p`
+    /// pixels, with `h = N^T J_P^T grad f` of the reference image through the prefilter twice: `A` and the noise that the
+    /// right-hand side gathers each see it. A point counts for no more pixels than a reading of the image averages: 1.25
+    /// through the interpolation, `4 pi s^2` through a prefilter of standard deviation `s`.
+    ///
+    /// Only the scatter at convergence is predicted: neither the bias of interpolation and noise, nor that of a mesh too
+    /// coarse for the field. The prediction is too large for [`Gradient::FiniteDifference`](crate::Gradient), as
+    /// the sensitivity of the residual is that of the analytic gradient; too large with a prefilter as wide as a tenth of
+    /// the cells, over which shape functions are taken as constant; and too small where the noise is no longer small
+    /// beside the gradient of the reference image, to which it adds.
+    ///
+    /// The cost is one solution of the system per unknown: it grows faster than the square of the number of nodes.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::InvalidOption`] where `noise` is negative or not finite, [`Error::SizeMismatch`] where `reference` has
+    /// another size than the image this correlator was made of, [`Error::Cancelled`] where `monitor` asks to stop.
+    pub fn standard_deviations(
+        &self,
+        reference: ImageView<'_>,
+        noise: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<[f64; COMPONENTS]>, Error> {
+        self.check_size(reference)?;
+        self.in_pool(|| {
+            let deviations =
+                uncertainty::standard_deviations(&self.system, &self.level, reference, &self.options, noise, monitor)?;
+            Ok(self.system.extend(&deviations))
         })
     }
 

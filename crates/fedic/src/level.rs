@@ -175,13 +175,7 @@ fn read_cell(
         let len = BATCH.min(count - first);
         batch.take(quadrature, cell, cell_type, first, len);
         batch.project_with_jacobian(camera, &nodes);
-        let ([u, v], [along_u, along_v]) = (&batch.pixel, &mut batch.gradient);
-        reference.values_and_gradients(
-            &u[..len],
-            &v[..len],
-            &mut batch.grey[..len],
-            [&mut along_u[..len], &mut along_v[..len]],
-        );
+        batch.read(reference);
         for k in 0..len {
             let value = batch.grey[k];
             let seen = !value.is_nan();

@@ -57,6 +57,7 @@ mod solution;
 mod speckle;
 mod strain;
 mod system;
+mod uncertainty;
 
 pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};

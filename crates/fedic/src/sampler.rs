@@ -38,6 +38,17 @@ impl Sampler {
         Ok(Self { value: Interpolator::new(view, interpolation), differences })
     }
 
+    /// Prepares an image through the filter once more than [`new`](Self::new).
+    pub(crate) fn filtered_twice(
+        view: ImageView<'_>,
+        interpolation: Interpolation,
+        gradient: Gradient,
+        prefilter: f64,
+    ) -> Result<Self, ImageError> {
+        let filtered = filter(view, prefilter)?;
+        Self::new(filtered.as_ref().map_or(view, Image::view), interpolation, gradient, prefilter)
+    }
+
     /// Grey levels and gradients `(d/du, d/dv)` at image points; NaN outside the image.
     ///
     /// # Panics

@@ -43,3 +43,20 @@ fn the_number_of_threads_changes_no_bit() {
         }
     }
 }
+
+#[test]
+fn the_number_of_threads_changes_no_bit_of_the_standard_deviations() {
+    let [reference, _] =
+        render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), Motion::translation([0.0; 2]));
+    let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
+    let deviations = |num_threads| -> Vec<u64> {
+        let options = Options { prefilter: 0.8, num_threads, ..Options::default() };
+        let correlator = Correlator::new(reference.view(), &mesh, Arc::new(ImageFrame), options, &()).unwrap();
+        let found = correlator.standard_deviations(reference.view(), 2.0, &()).unwrap();
+        found.as_flattened().iter().map(|deviation| deviation.to_bits()).collect()
+    };
+    let alone = deviations(Some(1));
+    for num_threads in [Some(1), Some(2), Some(4), None] {
+        assert_eq!(deviations(num_threads), alone, "{num_threads:?} threads");
+    }
+}

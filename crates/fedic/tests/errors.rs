@@ -104,6 +104,22 @@ fn images_must_have_one_size() {
 }
 
 #[test]
+fn a_noise_must_be_a_standard_deviation_and_the_reference_the_same() {
+    let [reference, _] = images();
+    let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
+    for noise in [-0.5, f64::NAN, f64::INFINITY] {
+        let error = correlator.standard_deviations(reference.view(), noise, &()).unwrap_err();
+        assert!(
+            matches!(&error, Error::Solve(SolveError::InvalidOption { option: "noise", value, .. }) if *value == noise.to_string()),
+            "{error:?}"
+        );
+    }
+    let other = Image::new(80, 90, reference.pixels().to_vec()).unwrap();
+    let error = correlator.standard_deviations(other.view(), 1.0, &()).unwrap_err();
+    assert_eq!(error, Error::SizeMismatch { reference: [90, 80], deformed: [80, 90] });
+}
+
+#[test]
 fn images_without_texture_are_refused() {
     let [reference, _] = images();
     let exact = Options { prefilter: 0.0, interpolation: Interpolation::Bspline3, ..Options::default() };
@@ -266,6 +282,12 @@ fn a_monitor_stops_the_work_wherever_it_is() {
         let result = correlator.correlate(deformed.view(), Start::Zero, &monitor);
         assert_eq!(result, Err(Error::Cancelled));
         assert_eq!(monitor.steps.into_inner(), steps, "after {patience} questions");
+    }
+    // While the noise is gathered, and between the solutions.
+    for patience in [0, cells - 1, cells, cells + 2] {
+        let monitor = Impatient::new(patience);
+        let result = correlator.standard_deviations(reference.view(), 1.0, &monitor);
+        assert_eq!(result, Err(Error::Cancelled), "after {patience} questions");
     }
     let monitor = Impatient::new(3);
     assert_eq!(correlator.correlate(deformed.view(), Start::Pyramid, &monitor), Err(Error::Cancelled));

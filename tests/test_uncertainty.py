@@ -1,0 +1,189 @@
+"""The predicted standard deviation of the displacement: against a dense computation, and against noise itself."""
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+import fedic
+from fedic import _core
+
+SHAPE = (140, 170)
+BOUNDS = (20.3, 20.6, 150.2, 129.1)
+SHIFT = np.array([0.37, -0.21])
+TILTED = fedic.Pinhole(
+    (240, 250), (85, 70), rotation=[np.pi + 0.5, -0.3, 0.05], translation=(0.01, 0.02, 1.0), skew_angle=1.55,
+    distortion=fedic.BrownDistortion((-0.2, 0.1, 0.05), (0.01, -0.02), (0.01, 0.02)),
+)  # fmt: skip
+CAMERAS = {"image": fedic.ImageFrame(), "tilted": TILTED}
+DENSE = fedic.MeshQuadrature()
+COARSE = fedic.MeshQuadrature(density=0.25)
+PIXELS = fedic.PixelQuadrature()
+
+
+def speckle(shift: np.ndarray | float = 0.0) -> np.ndarray:
+    """Return the grey levels of a speckle moved by `shift` pixels, not rounded."""
+    v, u = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    points = np.stack([u, v], axis=-1).reshape(-1, 2) - shift
+    grey: np.ndarray = 35 + 180 * fedic.synthetic.Speckle(5.0, seed=2).values(points).reshape(SHAPE)
+    return grey
+
+
+def shaken_mesh(cell: str) -> fedic.Mesh:
+    """Return a mesh in pixels whose nodes sit anywhere among them, its edges straight."""
+    corner = {"quad8": "quad", "quad9": "quad", "triangle6": "triangle"}.get(cell, cell)
+    coarse = fedic.rectangle_mesh(BOUNDS, 20.0, corner)  # type: ignore[arg-type]
+    moves = np.random.default_rng(0).uniform(-2, 2, coarse.points.shape)
+    fine = fedic.rectangle_mesh(BOUNDS, 20.0, cell)  # type: ignore[arg-type]
+    return fedic.Mesh(fine.points + coarse.interpolate(moves, fine.points), fine.cells)
+
+
+def dense_deviations(
+    image: np.ndarray, mesh: fedic.Mesh, camera: object, quadrature: object, noise: float, prefilter: float = 0.0
+) -> np.ndarray:
+    """Return the standard deviations from dense matrices, for a mesh in a plane."""
+    rule, density = ("pixel", 1.0) if quadrature is PIXELS else ("edges", quadrature.density)  # type: ignore[attr-defined]
+    core = _core.Correlator(image, mesh, camera, rule=rule, density=density)  # type: ignore[arg-type]
+    points, weights, _ = core.quadrature_points()
+    shape = mesh.interpolate(np.eye(mesh.num_nodes), points)
+    jacobian = camera.jacobian(points)  # type: ignore[attr-defined]
+    smooth = image
+    if prefilter > 0.0:
+        smooth = ndimage.gaussian_filter(image, prefilter, mode="mirror", truncate=4)
+
+    def rows(read: np.ndarray) -> np.ndarray:
+        gradient = _core.interpolate_image(read, camera.project(points), prefilter=prefilter)[1]  # type: ignore[attr-defined]
+        q = np.einsum("nij,ni->nj", jacobian[:, :, :2], gradient.astype(float))
+        return (shape[:, :, None] * q[:, None, :]).reshape(len(points), -1)
+
+    pixels = np.ones(len(points))
+    if quadrature is not PIXELS:
+        tangents = np.linalg.svd(points - points.mean(0), full_matrices=False)[2][:2]
+        pixels = weights * np.abs(np.linalg.det(jacobian @ tangents.T))
+    pixels = np.minimum(pixels, max(1.25, 4 * np.pi * prefilter**2))
+    q, h = rows(image), rows(smooth)
+    inverse = np.linalg.inv(q.T @ (weights[:, None] * q))
+    gathered = h.T @ ((weights**2 / pixels)[:, None] * h)
+    variances = 2 * noise**2 * np.diag(inverse @ gathered @ inverse)
+    deviations: np.ndarray = np.sqrt(variances).reshape(-1, 2)
+    return deviations
+
+
+@pytest.mark.parametrize("camera", CAMERAS)
+@pytest.mark.parametrize("quadrature", [DENSE, COARSE, PIXELS], ids=str)
+@pytest.mark.parametrize("cell", ["triangle", "quad", "quad8"])
+def test_standard_deviations_are_those_of_dense_matrices(camera: str, quadrature: object, cell: str) -> None:
+    projector = CAMERAS[camera]
+    in_pixels = shaken_mesh(cell)
+    mesh = fedic.Mesh(projector.unproject(in_pixels.points)[:, :2], in_pixels.cells)
+    image = speckle().astype(np.float32)
+    found = fedic.Correlator(image, mesh, projector, quadrature=quadrature).standard_deviations(3.0)  # type: ignore[arg-type]
+    expected = dense_deviations(image, mesh, projector, quadrature, 3.0)
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("quadrature", [DENSE, fedic.MeshQuadrature(density=0.05)], ids=str)
+def test_a_prefilter_reads_the_gradient_of_the_image_filtered_twice(quadrature: object) -> None:
+    image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
+    correlator = fedic.Correlator(image, mesh, quadrature=quadrature, prefilter=0.8)  # type: ignore[arg-type]
+    expected = dense_deviations(image, mesh, fedic.ImageFrame(), quadrature, 3.0, prefilter=0.8)
+    np.testing.assert_allclose(correlator.standard_deviations(3.0), expected, rtol=1e-4)
+
+
+def test_a_plane_at_a_slant_is_seen_by_fewer_pixels() -> None:
+    camera = fedic.FrontParallel(10.0, (0.0, 140.0))
+    flat = fedic.rectangle_mesh((2.03, 2.06, 15.02, 12.91), 2.0)
+    mesh = fedic.Mesh(np.column_stack([flat.points, 0.6 * flat.points[:, 0]]), flat.cells)
+    image = speckle().astype(np.float32)
+    found = fedic.Correlator(image, mesh, camera).standard_deviations(3.0)
+    np.testing.assert_allclose(found, dense_deviations(image, mesh, camera, DENSE, 3.0), rtol=1e-4)
+    # What counts is the image, which sees the same as of the plane itself.
+    np.testing.assert_allclose(found, fedic.Correlator(image, flat, camera).standard_deviations(3.0), rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("cell", "options", "within"),
+    [
+        ("quad", {}, 0.03),
+        ("triangle", {}, 0.05),
+        ("quad8", {}, 0.03),
+        ("quad", {"interpolation": "bspline5", "prefilter": 0.8}, 0.05),
+        ("triangle", {"interpolation": "bspline5", "prefilter": 0.8}, 0.05),
+        ("quad8", {"interpolation": "bspline5", "prefilter": 0.8}, 0.05),
+        ("quad", {"quadrature": PIXELS}, 0.03),
+        ("quad", {"quadrature": COARSE}, 0.05),
+        ("quad", {"brightness": "element"}, 0.03),
+        ("quad", {"regularization": 80.0}, 0.03),
+    ],
+)
+def test_noisy_images_scatter_as_predicted(cell: str, options: dict[str, object], within: float) -> None:
+    """Both images carry the noise, and the prediction knows only the noisy reference of the first draw."""
+    noise, draws = 1.0, 200
+    images, mesh, rng = (speckle(), speckle(SHIFT)), shaken_mesh(cell), np.random.default_rng(5)
+    errors, predicted = [], None
+    for _ in range(draws):
+        reference, deformed = ((image + rng.normal(0, noise, SHAPE)).astype(np.float32) for image in images)
+        correlator = fedic.Correlator(reference, mesh, **options)  # type: ignore[arg-type]
+        if predicted is None:
+            predicted = correlator.standard_deviations(noise)
+        result = correlator.correlate(deformed)
+        assert result.converged
+        errors.append(result.displacement - SHIFT)
+    measured = np.std(errors, axis=0, ddof=1)
+    assert np.mean(measured / predicted) == pytest.approx(1.0, abs=within)
+    assert np.abs(np.mean(errors, axis=(0, 1))).max() < 4 * measured.mean() / np.sqrt(draws)
+
+
+def test_finite_differences_scatter_less_than_predicted() -> None:
+    """They are shorter than the gradient, and the residual varies with the gradient: by 11 % on this fine a speckle."""
+    images, mesh, rng = (speckle(), speckle(SHIFT)), shaken_mesh("quad"), np.random.default_rng(5)
+    found = []
+    for _ in range(100):
+        reference, deformed = ((image + rng.normal(0, 1.0, SHAPE)).astype(np.float32) for image in images)
+        correlator = fedic.Correlator(reference, mesh, gradient="finite-difference")
+        found.append(correlator.correlate(deformed).displacement)
+    ratio = np.mean(np.std(found, axis=0, ddof=1) / correlator.standard_deviations(1.0))
+    assert 0.85 < ratio < 0.95
+
+
+def test_the_deviation_is_proportional_to_the_noise() -> None:
+    correlator = fedic.Correlator(speckle().astype(np.float32), shaken_mesh("quad"))
+    once = correlator.standard_deviations(1.5)
+    assert once.min() > 0.0
+    np.testing.assert_allclose(correlator.standard_deviations(3.0), 2 * once, rtol=1e-12)
+    np.testing.assert_array_equal(correlator.standard_deviations(0.0), np.zeros_like(once))
+
+
+@pytest.mark.parametrize("quadrature", [DENSE, PIXELS], ids=str)
+def test_the_deviation_has_the_unit_of_the_mesh(quadrature: object) -> None:
+    image = speckle().astype(np.float32)
+
+    def deviations(unit: float) -> np.ndarray:
+        mesh = fedic.rectangle_mesh(tuple(c / unit for c in BOUNDS), 20.0 / unit)  # type: ignore[arg-type]
+        camera = fedic.FrontParallel(unit, (0.0, 140.0))
+        return fedic.Correlator(image, mesh, camera, quadrature=quadrature).standard_deviations(1.0)  # type: ignore[arg-type]
+
+    millimetres, metres = deviations(10.0), deviations(10_000.0)
+    np.testing.assert_allclose(metres, 1e-3 * millimetres, rtol=1e-4)
+
+
+def test_smoothing_lowers_the_deviation() -> None:
+    image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
+    free, smooth = (fedic.Correlator(image, mesh, regularization=r).standard_deviations(1.0) for r in (None, 80.0))
+    assert (smooth < free).all()
+
+
+def test_unused_nodes_are_nan() -> None:
+    mesh = shaken_mesh("quad")
+    image = speckle().astype(np.float32)
+    points = np.vstack([[[1e6, -1e6]], mesh.points, [[5.0, 5.0]]])
+    spare = fedic.Mesh(points, {"quad": mesh.cells["quad"] + 1})
+    found = fedic.Correlator(image, spare).standard_deviations(1.0)
+    assert np.isnan(found[[0, -1]]).all()
+    np.testing.assert_array_equal(found[1:-1], fedic.Correlator(image, mesh).standard_deviations(1.0))
+
+
+@pytest.mark.parametrize("noise", [-1.0, float("nan"), float("inf")])
+def test_a_noise_that_is_no_standard_deviation_is_refused(noise: float) -> None:
+    correlator = fedic.Correlator(speckle().astype(np.float32), shaken_mesh("quad"))
+    with pytest.raises(fedic.SolveError, match="noise must be zero or a positive standard deviation in grey levels"):
+        correlator.standard_deviations(noise)
