@@ -13,7 +13,7 @@ from fedic._types import CellName, Floats
 from fedic.experiments.subjects import Window, window_mesh
 from fedic.synthetic import Speckle, render
 
-__all__ = ["BOUNDS", "MILLIMETRES", "MOTION", "PIXEL_MOTION", "RADIAL", "ROUNDING", "Pair", "Scene", "textures"]
+__all__ = ["BOUNDS", "FOCAL", "MILLIMETRES", "PIXEL_MOTION", "RADIAL", "ROUNDING", "Pair", "Scene", "textures"]
 
 WIDTH, HEIGHT = 1388, 1036
 FOCAL = 8381.24
@@ -23,8 +23,6 @@ MILLIMETRES = 1630.0 / FOCAL
 """Per pixel on the optical axis, the plane being 1630 mm away."""
 PIXEL_MOTION = (-400.0, -200.0)
 """The paper samples its texture at X + S with S = (400, 200) px: the material moves by -S."""
-MOTION = (PIXEL_MOTION[0] * MILLIMETRES, -PIXEL_MOTION[1] * MILLIMETRES)
-"""The same in millimetres: Y is up, v is down."""
 BOUNDS = (800.3, 500.2, 1100.3, 800.2)
 """Of the mesh, in pixels."""
 SPECKLE_PIXELS = 5.5
@@ -73,11 +71,14 @@ class Scene:
     sensor : (int, int, int, int)
         Left, top, right and bottom of the part of the sensor that is rendered, right and bottom excluded. Pixels are
         counted from its corner.
+    pixel_motion : (float, float)
+        Motion of the material along ``u`` and ``v`` in pixels of the optical axis; the paper's unless given.
     """
 
     distortion: BrownDistortion = field(default_factory=lambda: BrownDistortion(radial=RADIAL))
     focal: float = FOCAL
     sensor: tuple[int, int, int, int] = (0, 0, WIDTH, HEIGHT)
+    pixel_motion: tuple[float, float] = PIXEL_MOTION
 
     @property
     def camera(self) -> Pinhole:
@@ -96,6 +97,12 @@ class Scene:
         """Bounds of the mesh in the rendered image, in pixels."""
         left, top, _, _ = self.sensor
         return BOUNDS[0] - left, BOUNDS[1] - top, BOUNDS[2] - left, BOUNDS[3] - top
+
+    @property
+    def motion(self) -> tuple[float, float]:
+        """Motion of the material along ``X`` and ``Y``, in millimetres: Y is up, v is down."""
+        u, v = self.pixel_motion
+        return u * MILLIMETRES, -v * MILLIMETRES
 
     def mesh(self, size: float, cell: CellName) -> Mesh:
         """Make the unstructured mesh, in pixels.
@@ -143,8 +150,8 @@ class Scene:
             Motion seen in the image minus that without distortion, in pixels, of each node.
         """
         plane = self.camera.unproject(mesh.points)
-        moved: Floats = self.camera.project(plane + np.array([*MOTION, 0.0]))
-        return moved - mesh.points - PIXEL_MOTION
+        moved: Floats = self.camera.project(plane + np.array([*self.motion, 0.0]))
+        return moved - mesh.points - self.pixel_motion
 
     def pair(self, seed: int, progress: Callable[[float], object] | None = None) -> Pair:
         """Render a texture at rest and moved, in 16 bits and without noise.
@@ -165,7 +172,9 @@ class Scene:
         shape = (bottom - top, right - left)
         texture = Speckle(SPECKLE_PIXELS * MILLIMETRES, seed=seed)
         reference = render(texture, self.camera, shape, levels=LEVELS, bits=16, progress=progress)
-        deformed = render(texture, self.camera, shape, displacement=MOTION, levels=LEVELS, bits=16, progress=progress)
+        deformed = render(
+            texture, self.camera, shape, displacement=self.motion, levels=LEVELS, bits=16, progress=progress
+        )
         return Pair(reference, deformed)
 
     def rounding_floor(self, pair: Pair) -> Floats:
@@ -188,7 +197,7 @@ class Scene:
         return floor
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _texture(seed: int) -> Pair:
     return Scene().pair(seed)
 

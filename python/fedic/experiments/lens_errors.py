@@ -3,7 +3,6 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,8 @@ from fedic._core import ImageFrame, Mesh
 from fedic._types import Floats, Progress
 from fedic.correlation import Correlator, Initial, correlate
 from fedic.errors import SolveError
-from fedic.experiments.lens import MILLIMETRES, MOTION, PIXEL_MOTION, ROUNDING, Pair, Scene
+from fedic.experiments.lens import MILLIMETRES, ROUNDING, Pair, Scene
+from fedic.experiments.outcome import Row
 from fedic.experiments.settings import UNFILTERED, Setting
 from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE
 from fedic.quadrature import Quadrature
@@ -78,7 +78,7 @@ class LensAccuracy:
     converged: bool
     num_points: int
 
-    def as_row(self) -> dict[str, Any]:
+    def as_row(self) -> Row:
         """Return the entries of a table's row; ``std_px`` is the root mean square of both components."""
         return {
             "bias_u_px": self.bias[0],
@@ -150,8 +150,8 @@ def measure(
     )
     seconds = time.perf_counter() - start
     if lens:
-        return Measurement("mesh, with the lens", result, _in_pixels(result.displacement - MOTION), seconds)
-    return Measurement("pixels, without the lens", result, result.displacement - PIXEL_MOTION, seconds)
+        return Measurement("mesh, with the lens", result, _in_pixels(result.displacement - scene.motion), seconds)
+    return Measurement("pixels, without the lens", result, result.displacement - scene.pixel_motion, seconds)
 
 
 def measure_pairs(
