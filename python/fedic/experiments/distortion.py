@@ -71,7 +71,7 @@ class Series:
 _DECADES, _TWO = (1e-5, 1e-4, 1e-3, 1e-2, 3e-2), (1e-3, 3e-2)
 SERIES = (
     Series(
-        "k1",
+        f"k1, f = {FOCAL:g} px",
         lambda k: BrownDistortion(radial=(k, 0.0, 0.0)),
         (-1e-4, -1e-3, -1e-2, RADIAL[0], -0.1, -0.3),
         (RADIAL[0], -0.3),
@@ -79,7 +79,7 @@ SERIES = (
         "tab:blue",
     ),
     Series(
-        "k1, wide angle",
+        f"k1, f = {WIDE_FOCAL:g} px",
         lambda k: BrownDistortion(radial=(k, 0.0, 0.0)),
         (-1e-4, -1e-3, -1e-2, -0.03, -0.1, -0.3),
         (-0.01, -0.3),
@@ -275,7 +275,7 @@ def _figure(rows: list[Row]) -> Figure:
         axes.plot([], [], color=series.colour, linewidth=4.0, label=series.name)
     bound = float(_column(_pick(rows, DEFAULT, True, 8), "bound_px")[0])
     for name, axes in panels.items():
-        axes.axhline(bound, color="k", linewidth=0.8)
+        axes.axhline(bound, color="k", linewidth=0.8, linestyle="-.")
         axes.set(xscale="log", yscale="log", title=f"{name} distortion", xlabel="|coefficient|")
         axes.grid(visible=True, alpha=0.25)
         axes.legend(loc="upper left", fontsize="small")
@@ -286,7 +286,7 @@ def _figure(rows: list[Row]) -> Figure:
             Line2D([], [], color="k", linewidth=1.0, label="lens ignored, theory"),
             Line2D([], [], color="k", marker="s", linestyle="--", markerfacecolor="none", label="with the lens"),
             Line2D([], [], color="k", marker=".", linestyle=":", linewidth=0.8, label="with the lens, 16 bits"),
-            Line2D([], [], color="k", linewidth=0.8, label="Cramér-Rao bound of rounding (level)"),
+            Line2D([], [], color="k", linewidth=0.8, linestyle="-.", label="Cramér-Rao bound of rounding"),
         ],
         loc="outside lower center",
         ncols=5,
