@@ -218,7 +218,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
                 f"{setting.name}, with the lens: standard deviation within {NEAR_BOUND:.0%} of the bound of rounding, "
                 f"up to {LARGEST_CORNER:g} px of distortion at the corner",
                 f"{ratios[near].min():.3f} to {ratios[near].max():.3f} times; of all values at most "
-                f"{ratios[worst]:.2f} times, at {lens[worst]['coefficient']} = {lens[worst]['value']}, "
+                f"{ratios[worst]:.2f} times, at {lens[worst]['coefficient']}: {lens[worst]['value']}, "
                 f"{float(lens[worst]['corner_px']):.3g} px",
                 bool((np.abs(ratios[near] - 1.0) <= NEAR_BOUND).all()),
             ),
