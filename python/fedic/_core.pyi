@@ -16,6 +16,7 @@ __all__ = [
     "Solution",
     "Speckle",
     "__version__",
+    "aperture_points",
     "interpolate_image",
     "rectangle_mesh",
 ]
@@ -108,6 +109,10 @@ class Pinhole:
     def unproject(self, pixels: ArrayLike, z: float = 0.0) -> NDArray[np.float64]: ...
 
 _Camera = ImageFrame | FrontParallel | Pinhole
+
+def aperture_points(
+    camera: _Camera, rows: tuple[int, int], width: int, supersampling: int, z: float = 0.0
+) -> NDArray[np.float64]: ...
 
 @final
 class Correlator:

@@ -19,4 +19,4 @@ pub use front_parallel::FrontParallel;
 pub use image_frame::ImageFrame;
 pub use pinhole::{Pinhole, rotation_from_vector};
 pub use scaled::Scaled;
-pub use unproject::unproject;
+pub use unproject::{unproject, unproject_aperture, unproject_with_jacobian};

@@ -8,7 +8,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use common::{any_front_parallel, any_pinhole, any_pose_pinhole};
-use fedic_camera::{BrownDistortion, Camera, ImageFrame, Pinhole, Scaled, rotation_from_vector, unproject};
+use fedic_camera::{
+    BrownDistortion, Camera, ImageFrame, Pinhole, Scaled, rotation_from_vector, unproject, unproject_aperture,
+    unproject_with_jacobian,
+};
 use proptest::prelude::*;
 
 fn check_round_trip(camera: &dyn Camera, pixel: [f64; 2], z: f64) -> Result<(), TestCaseError> {
@@ -56,6 +59,49 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn the_jacobian_of_unprojection_is_its_derivative(
+        camera in any_pinhole(),
+        x in -0.4..0.4,
+        y in -0.4..0.4,
+        z in -0.3..0.3,
+    ) {
+        let pixel = camera.project([x, y, z]);
+        let (point, jacobian) = unproject_with_jacobian(&camera, pixel, z).unwrap();
+        prop_assert_eq!(Some(point), unproject(&camera, pixel, z));
+        let step = 0.01;
+        for (axis, [du, dv]) in [[step, 0.0], [0.0, step]].into_iter().enumerate() {
+            let after = unproject(&camera, [pixel[0] + du, pixel[1] + dv], z).unwrap();
+            let before = unproject(&camera, [pixel[0] - du, pixel[1] - dv], z).unwrap();
+            for d in 0..2 {
+                let slope = (after[d] - before[d]) / (2.0 * step);
+                prop_assert!((jacobian[d][axis] - slope).abs() < 1e-9, "{} instead of {}", jacobian[d][axis], slope);
+            }
+        }
+    }
+
+    #[test]
+    fn an_aperture_is_seen_where_its_samples_are(
+        camera in any_pinhole(),
+        x in -0.4..0.4,
+        y in -0.4..0.4,
+        z in -0.3..0.3,
+        samples in 1_u32..5,
+    ) {
+        let pixel = camera.project([x, y, z]);
+        let points: Vec<[f64; 2]> = unproject_aperture(&camera, pixel, z, samples).unwrap().collect();
+        prop_assert_eq!(points.len(), (samples * samples) as usize);
+        let offset = |k: usize| (k as f64 + 0.5) / f64::from(samples) - 0.5;
+        for (k, &[x, y]) in points.iter().enumerate() {
+            let (column, row) = (k % samples as usize, k / samples as usize);
+            let [u, v] = camera.project([x, y, z]);
+            let error = (u - pixel[0] - offset(column)).abs().max((v - pixel[1] - offset(row)).abs());
+            prop_assert!(error < 1e-2, "sample {} is seen {:e} pixels away", k, error);
+        }
+    }
+}
+
 fn camera(rotation: [f64; 3], depth: f64) -> Pinhole {
     Pinhole::new([1000.0; 2], [500.0; 2], rotation_from_vector(rotation), [0.0, 0.0, depth]).unwrap()
 }
@@ -69,6 +115,7 @@ fn a_ray_along_the_plane_meets_no_point_of_it() {
     assert_eq!(unproject(&along, [100.0, 500.0], -0.5), None);
     assert!(unproject(&along, [100.0, 600.0], -0.5).is_some());
     assert_eq!(unproject(&along, [100.0, 400.0], -0.5), None);
+    assert!(unproject_aperture(&along, [100.0, 500.0], -0.5, 3).is_none());
 }
 
 #[test]

@@ -18,14 +18,34 @@ pub(crate) fn rows<const D: usize>(object: &Bound<'_, PyAny>, name: &str, raise:
 
 /// Points of the physical space: rows of 2 or 3 coordinates, the third zero where there are 2, and how many were given.
 pub(crate) fn points(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<(Vec<[f64; 3]>, usize)> {
-    let array = matrix(object, name, raise)?;
+    let array = coordinates(object, name, raise)?;
     let view = array.as_array();
     let dimension = view.ncols();
-    if !(2..=3).contains(&dimension) {
-        return Err(raise(format!("{name} must have shape (n, 2) or (n, 3), got {:?}", view.shape())));
-    }
     let third = |row: &numpy::ndarray::ArrayView1<'_, f64>| if dimension == 3 { row[2] } else { 0.0 };
     Ok((view.rows().into_iter().map(|row| [row[0], row[1], third(&row)]).collect(), dimension))
+}
+
+/// The first two coordinates of points of the physical space.
+pub(crate) fn plane_points(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<Vec<[f64; 2]>> {
+    let array = coordinates(object, name, raise)?;
+    let view = array.as_array();
+    Ok(match view.as_slice() {
+        Some(numbers) if view.ncols() == 2 => numbers.as_chunks().0.to_vec(),
+        _ => view.rows().into_iter().map(|row| [row[0], row[1]]).collect(),
+    })
+}
+
+/// Points of the physical space: rows of 2 or 3 coordinates.
+fn coordinates<'py>(
+    object: &Bound<'py, PyAny>,
+    name: &str,
+    raise: Raise,
+) -> PyResult<PyArrayLike2<'py, f64, AllowTypeChange>> {
+    let array = matrix(object, name, raise)?;
+    match array.as_array().shape() {
+        [_, 2 | 3] => Ok(array),
+        shape => Err(raise(format!("{name} must have shape (n, 2) or (n, 3), got {shape:?}"))),
+    }
 }
 
 /// A 2-dimensional array of float64.

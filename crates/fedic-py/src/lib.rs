@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use crate::camera::{BrownDistortion, FrontParallel, ImageFrame, Pinhole};
+    use crate::camera::{BrownDistortion, FrontParallel, ImageFrame, Pinhole, aperture_points};
     #[pymodule_export]
     use crate::correlator::{Correlator, Solution};
     #[pymodule_export]

@@ -2,9 +2,8 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use rayon::prelude::*;
 
-use crate::arrays::points;
+use crate::arrays;
 use crate::errors::{IntoPyErr, solve_error};
 use crate::worker::run;
 
@@ -67,10 +66,8 @@ impl Speckle {
     /// (n,) float64
     ///     From 0, black, to 1, the white of the ground.
     fn values<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (points, _) = self::points(points, "points", solve_error)?;
-        let values = run(py, None, |_| {
-            Ok(points.par_iter().with_min_len(256).map(|&[x, y, _]| self.0.value([x, y])).collect::<Vec<f64>>())
-        })?;
+        let points = arrays::plane_points(points, "points", solve_error)?;
+        let values = run(py, None, |_| Ok(self.0.values(&points)))?;
         Ok(PyArray1::from_vec(py, values))
     }
 

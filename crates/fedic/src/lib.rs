@@ -62,6 +62,7 @@ pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};
 pub use fedic_camera::{
     BrownDistortion, Camera, CameraError, FrontParallel, ImageFrame, Pinhole, Scaled, rotation_from_vector, unproject,
+    unproject_aperture, unproject_with_jacobian,
 };
 pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,

@@ -1,0 +1,263 @@
+"""Synthetic images against the texture they are made of, and known changes of images against what they should be."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import fedic
+from fedic import demo
+from fedic._core import aperture_points
+from fedic.synthetic import Speckle, add_noise, fourier_shift, render
+
+Floats = NDArray[np.float64]
+
+MILLIMETRES = demo.DISTANCE / demo.FOCAL
+"""Size of a pixel of the demo on its plane."""
+
+
+def pinhole(focal: float, principal_point: tuple[float, float], k1: float, tilt: float = 0.0) -> fedic.Pinhole:
+    return fedic.Pinhole(
+        (focal, focal),
+        principal_point,
+        rotation=(np.pi + tilt, 0.0, 0.0),
+        translation=(0.0, 0.0, demo.DISTANCE),
+        distortion=fedic.BrownDistortion(radial=(k1, 0.0, 0.0)),
+    )
+
+
+DEMO_CAMERA = pinhole(demo.FOCAL, demo.PRINCIPAL_POINT, demo.RADIAL[0])
+CAMERAS = {
+    "frame": fedic.ImageFrame(),
+    "front": fedic.FrontParallel(1.0 / MILLIMETRES, (3.0, 40.0)),
+    "lens": DEMO_CAMERA,
+}
+
+
+def sample_pixels(rows: tuple[int, int], width: int, supersampling: int) -> Floats:
+    """Image points of all the samples, pixel by pixel."""
+    offsets = (np.arange(supersampling) + 0.5) / supersampling - 0.5
+    v, u, dv, du = np.meshgrid(np.arange(*rows), np.arange(width), offsets, offsets, indexing="ij")
+    return np.stack([u + du, v + dv], axis=-1).reshape(-1, 2)
+
+
+def aperture_error(camera: fedic.Pinhole, rows: tuple[int, int], width: int, supersampling: int) -> float:
+    """Largest distance in pixels between samples of an aperture and where the camera sees them."""
+    points = aperture_points(camera, rows, width, supersampling).reshape(-1, 2)
+    return float(np.abs(camera.project(points) - sample_pixels(rows, width, supersampling)).max())
+
+
+def test_the_aperture_follows_the_lens() -> None:
+    # The first rows hold the corners, where the lens bends most.
+    assert aperture_error(DEMO_CAMERA, (0, 4), demo.SHAPE[1], 3) < 3e-7
+    wide = pinhole(1400.0, (700.0, 500.0), -0.2)
+    assert aperture_error(wide, (0, 4), 1400, 3) < 1e-4
+    assert aperture_error(pinhole(1400.0, (700.0, 500.0), 0.0, tilt=0.5), (0, 4), 1400, 3) < 1e-4
+    assert aperture_error(wide, (0, 4), 1400, 1) < 1e-10
+
+
+def test_the_error_of_the_aperture_is_of_second_order() -> None:
+    errors = [
+        aperture_error(pinhole(focal, (0.7 * focal, 0.5 * focal), -0.2), (0, 1), 3, 3) for focal in (500.0, 2000.0)
+    ]
+    # The pixel is a quarter as large; the error is in pixels.
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["frame", "front"])
+def test_the_aperture_of_a_flat_camera_is_exact(name: str) -> None:
+    camera = CAMERAS[name]
+    points = aperture_points(camera, (5, 9), 7, 3, 0.5)
+    assert points.shape == (4 * 7, 9, 2)
+    expected = camera.unproject(sample_pixels((5, 9), 7, 3), 0.5)[:, :2]
+    np.testing.assert_allclose(points.reshape(-1, 2), expected, rtol=0, atol=1e-13)
+
+
+def test_pixels_that_see_no_point_are_named() -> None:
+    folded = pinhole(1000.0, (500.0, 500.0), -1.0)
+    with pytest.raises(fedic.CameraError, match=r"pixels cannot be taken back to the plane Z = 0, .* at \(0, 0\)"):
+        aperture_points(folded, (0, 10), 1000, 3)
+    with pytest.raises(fedic.CameraError, match="cannot be taken back"):
+        render(Speckle(3.0), folded, (1000, 1000))
+    with pytest.raises(fedic.CameraError, match="do not fit in memory"):
+        aperture_points(folded, (0, 4_000_000_000), 4_000_000_000, 4_000_000)
+
+
+@pytest.mark.parametrize("name", list(CAMERAS))
+def test_an_image_is_the_mean_of_the_texture_over_the_pixels(name: str) -> None:
+    camera = CAMERAS[name]
+    texture = Speckle(5.5 * (1.0 if name == "frame" else MILLIMETRES), seed=2)
+    points = camera.unproject(sample_pixels((0, 40), 50, 3))
+    expected = texture.values(points).reshape(40, 50, 9).mean(axis=2)
+    image = render(texture, camera, (40, 50), levels=(0.2, 0.7), bits=16)
+    np.testing.assert_allclose(image, 65535 * (0.2 + 0.5 * expected), rtol=0, atol=0.51)
+
+
+def waves(amplitude: float, period: float) -> Callable[[Floats], Floats]:
+    def displacement(points: Floats) -> Floats:
+        phase = 2.0 * np.pi * points[:, ::-1] / period
+        return np.asarray(amplitude * np.sin(phase + np.array([0.3, 1.1])))
+
+    return displacement
+
+
+@pytest.mark.parametrize("name", list(CAMERAS))
+def test_a_displaced_image_shows_the_texture_at_the_inverted_positions(name: str) -> None:
+    camera = CAMERAS[name]
+    pixel = 1.0 if name == "frame" else MILLIMETRES
+    texture, displacement = Speckle(5.5 * pixel, seed=2), waves(2.0 * pixel, 60.0 * pixel)
+    positions = camera.unproject(sample_pixels((0, 40), 50, 3))[:, :2]
+    # Newton's method with a Jacobian by differences, where render iterates on X = Y - U(X).
+    points, step = positions.copy(), 1e-6 * pixel
+    for _ in range(8):
+        slopes = [(displacement(points + h) - displacement(points - h)) / (2.0 * step) for h in step * np.eye(2)]
+        residual = points + displacement(points) - positions
+        points -= np.linalg.solve(np.eye(2) + np.stack(slopes, axis=-1), residual[..., np.newaxis])[..., 0]
+    assert np.abs(points + displacement(points) - positions).max() < 1e-10 * pixel
+    assert np.abs(points - positions).max() > 1.5 * pixel
+    expected = texture.values(points).reshape(40, 50, 9).mean(axis=2)
+    image = render(texture, camera, (40, 50), displacement=displacement, levels=(0.0, 1.0), bits=16)
+    np.testing.assert_allclose(image, 65535 * expected, rtol=0, atol=0.51)
+
+
+def test_a_displacement_of_the_wrong_shape_is_refused() -> None:
+    with pytest.raises(fedic.ImageError, match=r"has shape \(2,\)"):
+        render(Speckle(5.0), fedic.ImageFrame(), (20, 20), displacement=lambda points: np.zeros(2))
+
+
+def test_the_texture_does_not_depend_on_how_many_points_are_asked_for() -> None:
+    texture = Speckle(0.7, seed=9)
+    points = np.random.default_rng(0).uniform(-50.0, 50.0, (300, 3))
+    one_by_one = np.concatenate([texture.values(point[np.newaxis]) for point in points])
+    np.testing.assert_array_equal(texture.values(points), one_by_one)
+    np.testing.assert_array_equal(texture.values(np.asfortranarray(points[:, :2])), one_by_one)
+    np.testing.assert_array_equal(texture.values(points[:, :2].tolist()), one_by_one)
+
+
+def test_progress_ends_at_one() -> None:
+    done: list[float] = []
+    render(Speckle(5.0), fedic.ImageFrame(), (300, 400), progress=done.append)
+    assert len(done) > 1
+    assert done == sorted(done)
+    assert done[-1] == 1.0
+
+
+@pytest.mark.parametrize("level", [0.0, 20.0, 120.0, 3000.0])
+@pytest.mark.parametrize(("noise", "shot_noise"), [(2.0, 0.0), (0.0, 0.05), (1.5, 0.4)])
+def test_noise_has_the_mean_and_the_variance_asked_for(level: float, noise: float, shot_noise: float) -> None:
+    count = 400 * 500
+    sample = add_noise(np.full((400, 500), level), noise=noise, shot_noise=shot_noise, seed=7).astype(np.float64)
+    variance = noise**2 + shot_noise * level
+    # Five standard deviations of the mean and of the variance of so many Gaussian numbers, and float32's rounding.
+    assert abs(sample.mean() - level) <= 5.0 * np.sqrt(variance / count) + 1e-7 * level
+    assert abs(sample.var() - variance) <= 5.0 * variance * np.sqrt(2.0 / count) + 1e-6
+
+
+def test_noise_differs_between_pixels_and_seeds_only() -> None:
+    flat = np.full((200, 300), 100.0)
+    sample = add_noise(flat, noise=1.0, seed=3) - flat
+    np.testing.assert_array_equal(sample, add_noise(flat, noise=1.0, seed=3) - flat)
+    other = add_noise(flat, noise=1.0, seed=4) - flat
+    bound = 5.0 / np.sqrt(sample.size)
+    for shifted in (other, np.roll(sample, 1, axis=0), np.roll(sample, 1, axis=1)):
+        assert abs(np.mean(sample * shifted)) < bound
+
+
+@pytest.mark.parametrize(("bits", "dtype"), [(8, np.uint8), (12, np.uint16), (16, np.uint16)])
+def test_quantisation_rounds_and_clips(bits: int, dtype: type) -> None:
+    full = 2**bits - 1
+    levels = np.array([[-3.0, 0.4, 0.6, 99.4, full - 0.6, full - 0.4, full + 9.0]])
+    image = add_noise(levels, bits=bits)  # type: ignore[call-overload]
+    assert image.dtype == dtype
+    np.testing.assert_array_equal(image, [[0, 0, 1, 99, full - 1, full, full]])
+
+
+def test_without_options_noise_changes_nothing() -> None:
+    image = np.arange(12, dtype=np.uint16).reshape(3, 4)
+    same = add_noise(image)
+    assert same.dtype == np.float32
+    np.testing.assert_array_equal(same, image)
+
+
+def test_render_adds_the_noise_of_add_noise() -> None:
+    texture, camera = Speckle(5.0, seed=1), fedic.ImageFrame()
+    clean = render(texture, camera, (120, 150), bits=16).astype(np.float64)
+    noisy = render(texture, camera, (120, 150), bits=16, noise=40.0, shot_noise=3.0, seed=5)
+    assert np.abs(noisy - add_noise(clean, noise=40.0, shot_noise=3.0, seed=5)).max() < 1.1
+    scaled = (noisy - clean) / np.sqrt(1600.0 + 3.0 * clean)
+    assert np.std(scaled) == pytest.approx(1.0, abs=5.0 / np.sqrt(2.0 * scaled.size))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"noise": -1.0}, "noise=-1.0"),
+        ({"shot_noise": -0.1}, "shot_noise=-0.1"),
+        ({"noise": float("nan")}, "noise=nan"),
+        ({"bits": 10}, "bits=10"),
+    ],
+)
+def test_impossible_noise_is_refused(options: dict[str, float], words: str) -> None:
+    with pytest.raises(fedic.ImageError, match=f"add_noise: .*{words}"):
+        add_noise(np.zeros((4, 4)), **options)  # type: ignore[call-overload]
+    with pytest.raises(fedic.ImageError, match=f"render: .*{words}"):
+        render(Speckle(5.0), fedic.ImageFrame(), (4, 4), **options)  # type: ignore[arg-type]
+
+
+BORDER = 40
+
+
+def inside(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    return image[BORDER:-BORDER, BORDER:-BORDER]
+
+
+def band_limited(height: int, width: int, du: float = 0.0, dv: float = 0.0) -> Floats:
+    """Waves of up to 0.35 periods per pixel, moved by (du, dv), under a bell that fades at the borders."""
+    v, u = np.mgrid[:height, :width].astype(float) - np.array([dv, du]).reshape(2, 1, 1)
+    random = np.random.default_rng(3)
+    frequencies, phases = random.uniform(-0.35, 0.35, (12, 2)), random.uniform(0.0, 2.0 * np.pi, 12)
+    waves = sum(np.cos(2.0 * np.pi * (a * u + b * v) + c) for (a, b), c in zip(frequencies, phases, strict=True))
+    bell = np.exp(-(((u - width / 2) / (width / 9)) ** 2) - ((v - height / 2) / (height / 9)) ** 2)
+    return np.asarray(120.0 + 9.0 * waves * bell)
+
+
+@pytest.mark.parametrize("shift", [(0.5, 0.0), (-0.37, 1.62), (3.3, -7.9)])
+@pytest.mark.parametrize("shape", [(150, 201), (181, 160)])
+def test_a_shifted_texture_has_its_analytic_values(shift: tuple[float, float], shape: tuple[int, int]) -> None:
+    shifted = fourier_shift(band_limited(*shape), shift)
+    assert shifted.dtype == np.float32
+    assert np.abs(inside(shifted) - inside(band_limited(*shape, *shift))).max() < 1e-3
+
+
+def test_a_shift_by_whole_pixels_moves_the_pixels() -> None:
+    image = render(Speckle(5.0, seed=6), fedic.ImageFrame(), (140, 171))
+    shifted = fourier_shift(image, (7.0, -3.0))
+    moved = np.roll(image, (-3, 7), axis=(0, 1))
+    assert np.abs(shifted[:-3, 7:] - moved[:-3, 7:].astype(float)).max() < 1e-4
+    np.testing.assert_allclose(shifted[:, 6], shifted[:, 7], atol=1e-4)
+    np.testing.assert_allclose(fourier_shift(image, (0.0, 0.0)), image, atol=1e-4)
+
+
+def test_a_shift_and_its_opposite_give_the_image_back() -> None:
+    ramp = np.linspace(0.0, 120.0, 171)
+    image = render(Speckle(5.0, seed=6), fedic.ImageFrame(), (140, 171), levels=(0.1, 0.5)) + ramp
+    back = fourier_shift(fourier_shift(image, (0.4, -2.3)), (-0.4, 2.3))
+    # What left at the borders does not come back; its echo fades with the distance.
+    assert np.abs(inside(back) - inside(image)).max() < 0.1
+
+
+@pytest.mark.parametrize(
+    "image",
+    [np.zeros(5), np.zeros((4, 4, 3)), np.zeros((0, 4)), np.full((3, 3), np.nan), np.zeros((3, 3), complex), None],
+)
+def test_what_is_no_image_is_refused(image: NDArray[np.float64]) -> None:
+    for change in (lambda: fourier_shift(image, (0.5, 0.5)), lambda: add_noise(image, noise=1.0)):
+        with pytest.raises(fedic.ImageError, match="The given image"):
+            change()
+
+
+@pytest.mark.parametrize("shift", [(1.0,), (0.0, np.inf), (1.0, 2.0, 3.0)])
+def test_an_impossible_shift_is_refused(shift: tuple[float, float]) -> None:
+    with pytest.raises(fedic.ImageError, match=r"give a pair \(du, dv\)"):
+        fourier_shift(np.zeros((4, 4)), shift)
