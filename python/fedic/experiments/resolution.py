@@ -111,30 +111,31 @@ def run(request: Request) -> Outcome:
 
 
 _TEXT = """\
-The reference is compared with an image moved vertically by `0.5 cos(2 pi y / p)` px, `y` from the middle row, where the
-period `p` grows from 10 px along the columns. *Noise* is the standard deviation of the horizontal displacement, truly
-zero, over the columns from 62.5 to 97.5 % of the width and more than 1.5 elements from the mesh's upper and lower edge,
-one sample of the field per pixel; *period* the shortest one at which the amplitude on the middle row, averaged over 40
-columns, reaches 0.9 of the true one; MEI their product, lower is better. Meshes are regular with a line of nodes on the
-middle row; nothing is regularised. *plain* is the default without prefilter. One pair of images holds few independent
-values: expect some 2 % of scatter from one mesh to another.
+The reference is compared with an image moved vertically by `0.5 cos(2 pi y / p)` px, `y` from the middle row, where
+the period `p` grows from 10 px along the columns. *Noise* is the standard deviation of the horizontal displacement,
+truly zero, over the columns from 62.5 to 97.5 % of the width and more than 1.5 elements from the mesh's upper and
+lower edge, one sample of the field per pixel; *period* the shortest one at which the amplitude on the middle row,
+averaged over 40 columns, reaches 0.9 of the true one; MEI their product, lower is better. Meshes are regular with a
+line of nodes on the middle row; nothing is regularised. *plain* is the default without prefilter. One pair of images
+holds few independent values: expect some 2 % of scatter from one mesh to another.
 
 **Read the field, not the nodes:** the nodes of four-noded cells have about 1.74 times the noise of the field between
 them.
 
-**The figure tells what is seen, not what is measured right.** On a line of nodes the amplitude rises past the true one
-and comes back at longer periods. `kept_period_px` is the period from which on the amplitude stays above 0.9,
+**The figure tells what is seen, not what is measured right.** On a line of nodes the amplitude rises past the true
+one and comes back at longer periods. `kept_period_px` is the period from which on the amplitude stays above 0.9,
 `accurate_period_px` that from which on it stays within 10 % of the true one, `peak_amplitude` its largest part of it.
 
-**The figure sees one direction only.** The wave of the star runs along the edges of these elements. Families of elements
-without mixed terms have fewer unknowns and pay nothing for it here; with the mesh turned by 45 degrees (group `turned`)
-they pay. The same holds for averages over meshes moved along the crest: moved along the wave, the average loses what the
-line of nodes gave (*mean of 2 moved down*, which leaves the protocol). Fields reconstructed from the nodes of an 8 px
-mesh (group `nodes`) are reduced by generalised least squares with the mesh's own correlation matrix, taken as that of a
-uniform texture.
+**The figure sees one direction only.** The wave of the star runs along the edges of these elements. Families of
+elements without mixed terms have fewer unknowns and pay nothing for it here; with the mesh turned by 45 degrees
+(group `turned`) they pay. The same holds for averages over meshes moved along the crest: moved along the wave, the
+average loses what the line of nodes gave (*mean of 2 moved down*, which leaves the protocol). Fields reconstructed
+from the nodes of an 8 px mesh (group `nodes`) are reduced by generalised least squares with the mesh's own
+correlation matrix, taken as that of a uniform texture.
 
-The synthetic pair has the texture and the noise estimated from the real one: 37.8 grey levels of standard deviation, a
-gradient of 19.7 levels per pixel, a noise of variance `0.84**2 + 0.032 g` at grey level `g`, 2.1 levels on the average.
+The synthetic pair has the texture and the noise estimated from the real one: 37.8 grey levels of standard deviation,
+a gradient of 19.7 levels per pixel, a noise of variance `0.84**2 + 0.032 g` at grey level `g`, 2.1 levels on the
+average.
 """
 
 

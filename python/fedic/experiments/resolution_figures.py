@@ -124,7 +124,7 @@ def amplitude_figure(found: list[Measured]) -> Figure:
         straight = [each for each in found if (each.star, each.group) == (star, "sizes")]
         for axes, candidates, title in (
             (row[0], straight, "best size of each cell"),
-            (row[1], [each for each in straight if (each.cell, each.size) in turned], "as turned beside"),
+            (row[1], [each for each in straight if (each.cell, each.size) in turned], "the sizes turned at right"),
             (row[2], [each for each in found if (each.star, each.group) == (star, "turned")], "turned by 45°"),
         ):
             axes.axhline(1.0, color="0.7", linewidth=0.8)
@@ -143,8 +143,8 @@ def amplitude_figure(found: list[Measured]) -> Figure:
                         linewidth=1.2,
                         label=f"{cell}, {best.size} px: MEI {best.merit.mei:.3f}",
                     )
-            axes.set(xlim=(12.0, 140.0), ylim=(-0.1, 1.6), title=f"{star} star: {title}")
-            axes.legend(fontsize="small", loc="lower right")
+            axes.set(xlim=(12.0, 140.0), ylim=(-0.1, 2.1), title=f"{star} star: {title}")
+            axes.legend(fontsize="small", loc="upper right")
             axes.grid(visible=True, alpha=0.25)
         row[0].set_ylabel("measured / true amplitude")
     for axes in panels[-1]:

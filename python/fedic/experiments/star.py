@@ -87,10 +87,10 @@ def synthetic_star(*, quick: bool) -> Star:
     """Render a pair like the real one.
 
     Speckle, contrast and noise are those estimated from the real pair. Its grey levels have a standard deviation of
-    37.8 and a gradient of 19.7 levels per pixel (root mean square of each component). Its noise is that of the difference
-    between the reference and the deformed image brought back by the true motion, where this motion is below 0.02 px and
-    no interpolation smooths: 2.1 grey levels in each image on the average, of a variance that grows with the grey level
-    ``g`` as ``0.84**2 + 0.032 g``.
+    37.8 and a gradient of 19.7 levels per pixel (root mean square of each component). Its noise is that of the
+    difference between the reference and the deformed image brought back by the true motion, where this motion is
+    below 0.02 px and no interpolation smooths: 2.1 grey levels in each image on the average, of a variance that
+    grows with the grey level ``g`` as ``0.84**2 + 0.032 g``.
 
     Parameters
     ----------
