@@ -1,4 +1,4 @@
-"""The experiments on the star and on convergence, in their quick versions: figures held against the reference values."""
+"""Resolution and convergence in their quick form: the star protocol, the basins of the starts, the iterations."""
 
 from collections.abc import Callable
 from pathlib import Path
