@@ -16,6 +16,11 @@ _PANELS = {
 }
 _MARKERS = ("s", "D", "o", "^", "v", "P", "X")
 _LEAST = {"translation": 0.4, "rotation": 0.4, "stretch": 0.8}
+_TICKS = {
+    "translation": (0.5, 1, 2, 5, 10, 20, 50, 100, 200),
+    "rotation": (0.5, 1, 2, 5, 10),
+    "stretch": (1, 2, 5, 10, 20),
+}
 
 
 def basin_figure(rows: list[Row]) -> Figure:
@@ -32,7 +37,7 @@ def basin_figure(rows: list[Row]) -> Figure:
         A row of panels per image.
     """
     images = list(dict.fromkeys(str(row["image"]) for row in rows))
-    figure = Figure(figsize=(13.0, 3.9 * len(images)), layout="constrained")
+    figure = Figure(figsize=(15.0, 4.1 * len(images)), layout="constrained")
     panels = figure.subplots(len(images), 3, squeeze=False)
     for line, image in zip(panels, images, strict=True):
         most = reached([row for row in rows if row["image"] == image])
@@ -45,11 +50,12 @@ def basin_figure(rows: list[Row]) -> Figure:
                 bars = axes.bar(
                     places + offset, np.maximum(far, least) - least, 0.25, bottom=least, color=colour, label=start
                 )
-                axes.bar_label(bars, [f"{each:g}" for each in far], fontsize="xx-small", padding=1)
-            axes.set_xticks(places, labels=[f"{cell}\n{size} px" for cell, size in meshes], fontsize="small")
+                axes.bar_label(bars, [f"{each:g}" for each in far], fontsize="x-small", padding=1)
+            axes.set_xticks(places, labels=[f"{cell}\n{size} px" for cell, size in meshes], fontsize="x-small")
             axes.set(yscale="log", ylabel=label, title=f"{image} image: {motion}")
-            axes.set_ylim(least, 2.0 * max(far for (_, kind, _, _), far in most.items() if kind == motion))
-            axes.grid(visible=True, axis="y", which="both", alpha=0.2)
+            axes.set_ylim(least, 3.5 * max(far for (_, kind, _, _), far in most.items() if kind == motion))
+            axes.set_yticks(_TICKS[motion], labels=[f"{tick:g}" for tick in _TICKS[motion]])
+            axes.grid(visible=True, axis="y", alpha=0.3)
             axes.set_axisbelow(True)
         line[0].legend(fontsize="small", ncols=3, loc="upper left")
     return figure
@@ -92,5 +98,5 @@ def iteration_figure(rows: list[Row]) -> Figure:
         axes.grid(visible=True, axis="x", alpha=0.25)
         for border in range(1, len(settings)):
             axes.axhline(border - 0.5, color="0.9", linewidth=0.6)
-    panels[0].legend(fontsize="x-small", loc="lower left")
+    panels[0].legend(fontsize="x-small", loc="lower left", bbox_to_anchor=(0.0, 0.12))
     return figure
