@@ -89,14 +89,20 @@ def demo_command(
 
 @app.command("experiment")
 def experiment_command(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Which one; all for all of them and the report page.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="fig7, fig8, fig14, fig15, fig16, noise, interpolation, ... or all.")
+    ],
     output: Annotated[Path, typer.Option("--output", help="Folder of the results.")] = Path("fedic-experiments"),
     image: Annotated[
-        Path | None, typer.Option("--image", help="A real reference image, measured beside the synthetic one.")
+        Path | None,
+        typer.Option(
+            "--image",
+            help="A real reference image, measured too by fig7, fig8, interpolation and convergence.",
+        ),
     ] = None,
     star: Annotated[
         tuple[Path, Path] | None,
-        typer.Option("--star", help="Reference and deformed image of the star of the DIC Challenge 2.0."),
+        typer.Option("--star", help="Reference and deformed noisy star of the DIC Challenge 2.0, for resolution."),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer sizes and draws, under a minute each.")] = False,
 ) -> None:

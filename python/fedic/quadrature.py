@@ -22,7 +22,7 @@ class MeshQuadrature:
         Scales the number of points: 1 is that of the rule, about one point per pixel of the reference image.
     rule : {"rotated", "edges", "diameter"}
         ``"edges"`` cuts each direction of a quadrilateral by the whole pixels in the shorter of its two edges, 0.8 to 1
-        point per pixel, and a triangle, whose points lie less evenly, into 1.5 points per pixel. ``"rotated"`` takes as
+        point per pixel, and a triangle, whose points lie less evenly, into 1.6 points per pixel. ``"rotated"`` takes as
         many, those of a quadrilateral on a grid turned by a small angle: points a pixel apart keep the same place in
         their pixels all along an element, where the error of the interpolation then does not average out; turned, they
         sweep all places. ``"diameter"``, the paper's, cuts every edge by the largest distance between two nodes, so

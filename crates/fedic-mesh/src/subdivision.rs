@@ -8,8 +8,8 @@ use crate::CellType;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Rule {
     /// Each direction of a quad by the whole pixels in the shorter of its two edges: about one point per pixel, never more
-    /// along an edge. A triangle by the root of its area and a half: the centres of sub-triangles leave larger gaps, and it
-    /// takes 1.5 points per pixel for the same noise.
+    /// along an edge. A triangle by the root of 1.6 times its area: the centres of sub-triangles leave larger gaps, and it
+    /// takes as many points per pixel for the same noise.
     Edges,
     /// As many points as [`Edges`](Self::Edges), those of a quad on a grid turned about its centre by the angle that takes
     /// the points across their parts from one end of the longer rows to the other. Points a pixel apart keep the same place in their pixels all along the
@@ -37,7 +37,7 @@ impl FromStr for Rule {
 }
 
 /// Of the rules that aim at the fewest points without more noise.
-const TRIANGLE_POINTS_PER_PIXEL: f64 = 1.5;
+const TRIANGLE_POINTS_PER_PIXEL: f64 = 1.6;
 
 /// A reference domain cut into equal parts, one quadrature point in each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -95,7 +95,7 @@ fn the_edges_rule_counts_whole_pixels_along_the_edges() {
     let trapezium = [[0.0, 0.0], [9.0, 0.0], [6.0, 4.5], [2.0, 4.5]];
     assert_eq!(cut(CellType::Quad, &trapezium, Rule::Edges, 1.0), Subdivision::Quad { nx: 4, ny: 4 });
     for cell in [CellType::Triangle, CellType::Triangle6] {
-        // 1.5 times an area of 33.02 pixels, whichever way the triangle turns.
+        // 1.6 times an area of 33.02 pixels, whichever way the triangle turns.
         let mut pixels = rectangle(cell, 12.7, 5.2);
         assert_eq!(cut(cell, &pixels, Rule::Edges, 1.0), Subdivision::Triangle { n: 7 });
         pixels.iter_mut().for_each(|p| p[0] = -p[0]);

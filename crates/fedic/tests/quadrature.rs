@@ -29,7 +29,7 @@ fn points_of_the_mesh_weigh_its_area() {
     for cell in CellType::ALL {
         // The square of the diameter is twice the area of a square, four times that of half a square.
         let by_diameter = if cell.is_triangle() { 4.0..4.8 } else { 2.0..2.8 };
-        let fewest = if cell.is_triangle() { 1.25..1.5 } else { 0.85..1.0 };
+        let fewest = if cell.is_triangle() { 1.3..1.6 } else { 0.85..1.0 };
         let rules = [(Rule::Rotated, fewest.clone()), (Rule::Edges, fewest), (Rule::Diameter, by_diameter)];
         for (rule, expected) in rules {
             for density in [1.0, 4.0] {

@@ -215,7 +215,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
                 bool(biases.max() <= LARGEST_BIAS and draws.mean() <= LARGEST_BIAS),
             ),
             Claim(
-                f"{setting.name}, with the lens: standard deviation within {NEAR_BOUND:.0%} of the bound of rounding, "
+                f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding, "
                 f"up to {LARGEST_CORNER:g} px of distortion at the corner",
                 f"{ratios[near].min():.3f} to {ratios[near].max():.3f} times; of all values at most "
                 f"{ratios[worst]:.2f} times, at {lens[worst]['coefficient']}: {lens[worst]['value']}, "
@@ -227,7 +227,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
     ratios = _column(wide, "std_px") / _column(wide, "bound_px")
     claims.append(
         Claim(
-            f"unfiltered, with the lens: standard deviation within {NEAR_BOUND:.0%} of the bound of rounding at every "
+            f"unfiltered, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding at every "
             f"value, up to {_column(wide, 'corner_px').max():.3g} px at the corner",
             f"{ratios.min():.3f} to {ratios.max():.3f} times",
             bool((np.abs(ratios - 1.0) <= NEAR_BOUND).all()),
@@ -237,7 +237,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
     ratios = _column(fine, "rms_px") / _column(fine, "theory_rms_px")
     claims.append(
         Claim(
-            f"lens ignored: the error is what theory says within {NEAR_THEORY:.0%} (root mean square in 16 bits, from "
+            f"lens ignored: the error is what theory says within {100 * NEAR_THEORY:.0f} % (root mean square in 16 bits, from "
             f"{LEAST_FITTED:g} px)",
             f"{ratios.min():.4f} to {ratios.max():.4f} times, at most {_column(fine, 'rms_px').max():.2g} px",
             bool((np.abs(ratios - 1.0) <= NEAR_THEORY).all()),
@@ -250,7 +250,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
         slopes[name] = float(np.polyfit(values, errors, 1)[0])
     claims.append(
         Claim(
-            f"lens ignored: the error grows in proportion to each coefficient, slope 1 within {NEAR_THEORY:.0%}",
+            f"lens ignored: the error grows in proportion to each coefficient, slope 1 within {100 * NEAR_THEORY:.0f} %",
             ", ".join(f"{name}: {slope:.3f}" for name, slope in slopes.items()),
             all(abs(slope - 1.0) <= NEAR_THEORY for slope in slopes.values()),
         )

@@ -121,7 +121,7 @@ def _claims(setting: Setting, rows: list[Row], floor: float) -> list[Claim]:
             _bias(lens) <= LARGEST_BIAS,
         ),
         Claim(
-            f"{setting.name}, with the lens: standard deviation within {NEAR_BOUND:.0%} of the bound of rounding, "
+            f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding, "
             f"{sizes}",
             f"{ratios.min():.3f} to {ratios.max():.3f} times",
             bool((np.abs(ratios - 1.0) <= NEAR_BOUND).all()),

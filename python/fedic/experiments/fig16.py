@@ -78,7 +78,7 @@ def run(request: Request) -> Outcome:
         "both components.",
         rows,
         _claims(rows, expected, floor),
-        figures,
+        dict(sorted(figures.items())),
     )
 
 
@@ -111,7 +111,7 @@ def _claims(rows: list[Row], expected: Floats, floor: float) -> list[Claim]:
                 max(float(lens["bias_u_px"]), float(lens["bias_v_px"])) <= LARGEST_BIAS,
             ),
             Claim(
-                f"{setting.name}, with the lens: standard deviation within {NEAR_BOUND:.0%} of the bound of rounding",
+                f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding",
                 f"{ratio:.3f} times {float(lens['bound_px']):.2e} px",
                 abs(ratio - 1.0) <= NEAR_BOUND,
             ),
@@ -123,7 +123,7 @@ def _claims(rows: list[Row], expected: Floats, floor: float) -> list[Claim]:
         correlation = min(float(fine["correlation_u"]), float(fine["correlation_v"]))
         claims += [
             Claim(
-                f"{setting.name}, lens ignored: bias within {NEAR_THEORY:.0%} of the mean distortion, "
+                f"{setting.name}, lens ignored: bias within {100 * NEAR_THEORY:.0f} % of the mean distortion, "
                 f"({mean[0]:.4f}, {mean[1]:.4f}) px",
                 f"({found[0]:.4f}, {found[1]:.4f}) px",
                 bool((np.abs(found / mean - 1.0) <= NEAR_THEORY).all()),
@@ -141,7 +141,7 @@ def _claims(rows: list[Row], expected: Floats, floor: float) -> list[Claim]:
     claims.append(
         Claim(
             "default, lens ignored: what differs from the theory is rounding, standard deviation within "
-            f"{NEAR_BOUND:.0%} of the bound",
+            f"{100 * NEAR_BOUND:.0f} % of the bound",
             f"{rest:.3f} times",
             abs(rest - 1.0) <= NEAR_BOUND,
         )

@@ -38,6 +38,8 @@ class Merit:
     kept_period : float
         Period, in pixels, from which on the amplitude stays above nine tenths. It is longer than `period` where the
         amplitude does not rise steadily.
+    accurate_period : float
+        Period, in pixels, from which on the amplitude stays within a tenth of the true one.
     periods, amplitudes : ndarray, shape (m,)
         The amplitude, as a part of the true one, over the period.
     """

@@ -60,7 +60,7 @@ def _section(outcome: dict[str, Any]) -> list[str]:
         "",
         f"## {outcome['title']}",
         "",
-        f"`fedic experiment {name}`. {outcome['text']}",
+        f"`fedic experiment {name}`. {outcome['text'].strip()}",
         "",
     ]
     lines += ["| claim | measured | holds |", "| --- | --- | --- |"]
