@@ -215,8 +215,8 @@ def _claims(rows: list[Row]) -> list[Claim]:
                 bool(biases.max() <= LARGEST_BIAS and draws.mean() <= LARGEST_BIAS),
             ),
             Claim(
-                f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding, "
-                f"up to {LARGEST_CORNER:g} px of distortion at the corner",
+                f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of "
+                f"rounding, up to {LARGEST_CORNER:g} px of distortion at the corner",
                 f"{ratios[near].min():.3f} to {ratios[near].max():.3f} times; of all values at most "
                 f"{ratios[worst]:.2f} times, at {lens[worst]['coefficient']}: {lens[worst]['value']}, "
                 f"{float(lens[worst]['corner_px']):.3g} px",
@@ -227,8 +227,8 @@ def _claims(rows: list[Row]) -> list[Claim]:
     ratios = _column(wide, "std_px") / _column(wide, "bound_px")
     claims.append(
         Claim(
-            f"unfiltered, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding at every "
-            f"value, up to {_column(wide, 'corner_px').max():.3g} px at the corner",
+            f"unfiltered, with the lens: std within {100 * NEAR_BOUND:.0f} % of the bound of rounding at "
+            f"every value, up to {_column(wide, 'corner_px').max():.3g} px at the corner",
             f"{ratios.min():.3f} to {ratios.max():.3f} times",
             bool((np.abs(ratios - 1.0) <= NEAR_BOUND).all()),
         )
@@ -237,8 +237,8 @@ def _claims(rows: list[Row]) -> list[Claim]:
     ratios = _column(fine, "rms_px") / _column(fine, "theory_rms_px")
     claims.append(
         Claim(
-            f"lens ignored: the error is what theory says within {100 * NEAR_THEORY:.0f} % (root mean square in 16 bits, from "
-            f"{LEAST_FITTED:g} px)",
+            f"lens ignored: the error is theory's within {100 * NEAR_THEORY:.0f} % (root mean square in 16 bits, "
+            f"from {LEAST_FITTED:g} px)",
             f"{ratios.min():.4f} to {ratios.max():.4f} times, at most {_column(fine, 'rms_px').max():.2g} px",
             bool((np.abs(ratios - 1.0) <= NEAR_THEORY).all()),
         )
@@ -250,7 +250,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
         slopes[name] = float(np.polyfit(values, errors, 1)[0])
     claims.append(
         Claim(
-            f"lens ignored: the error grows in proportion to each coefficient, slope 1 within {100 * NEAR_THEORY:.0f} %",
+            f"lens ignored: the error grows as each coefficient, slope 1 within {100 * NEAR_THEORY:.0f} %",
             ", ".join(f"{name}: {slope:.3f}" for name, slope in slopes.items()),
             all(abs(slope - 1.0) <= NEAR_THEORY for slope in slopes.values()),
         )

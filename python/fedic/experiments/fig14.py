@@ -121,8 +121,8 @@ def _claims(setting: Setting, rows: list[Row], floor: float) -> list[Claim]:
             _bias(lens) <= LARGEST_BIAS,
         ),
         Claim(
-            f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding, "
-            f"{sizes}",
+            f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of "
+            f"rounding, {sizes}",
             f"{ratios.min():.3f} to {ratios.max():.3f} times",
             bool((np.abs(ratios - 1.0) <= NEAR_BOUND).all()),
         ),

@@ -111,7 +111,8 @@ def _claims(rows: list[Row], expected: Floats, floor: float) -> list[Claim]:
                 max(float(lens["bias_u_px"]), float(lens["bias_v_px"])) <= LARGEST_BIAS,
             ),
             Claim(
-                f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of rounding",
+                f"{setting.name}, with the lens: standard deviation within {100 * NEAR_BOUND:.0f} % of the bound of "
+                "rounding",
                 f"{ratio:.3f} times {float(lens['bound_px']):.2e} px",
                 abs(ratio - 1.0) <= NEAR_BOUND,
             ),
