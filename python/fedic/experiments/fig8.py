@@ -12,7 +12,7 @@ from fedic.correlation import Correlator
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, UNFILTERED, Setting
 from fedic.experiments.subjects import Subject, subjects, window_mesh
-from fedic.experiments.sweep import measure_shifts, noise_of, rms
+from fedic.experiments.sweep import draw_displacements, measure_shifts, rms
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
 __all__ = ["run"]
@@ -76,7 +76,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
         bound = _bound(subject, mesh)
         for rule, density, quadrature in rules:
             found = measure_shifts(reference, deformed, SHIFTS, mesh, setting, quadrature)
-            noise = noise_of(
+            draws = draw_displacements(
                 reference,
                 deformed[1],
                 mesh,
@@ -86,8 +86,9 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
                 QUICK_DRAWS if quick else DRAWS,
                 start=SHIFTS[1],
             )
+            noise = rms(draws.std(axis=0, ddof=1))
             place = {"image": subject.name, "setting": setting.name, "cell": cell, "rule": rule, "density": density}
-            figures = {"points_per_pixel": found.num_points / area, "noise_over_bound": rms(noise) / bound}
+            figures = {"points_per_pixel": found.num_points / area, "noise_over_bound": noise / bound}
             rows.append(place | figures | found.as_row())
             progress(len(rows) / total)
     return rows

@@ -10,8 +10,8 @@ from fedic._types import Floats
 from fedic.correlation import Correlator
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import UNFILTERED, Setting
-from fedic.experiments.subjects import Subject, subjects, window_mesh
-from fedic.experiments.sweep import MOST_ITERATIONS, measure_shifts, noise_of, rms
+from fedic.experiments.subjects import SPECKLE, Subject, subjects, window_mesh
+from fedic.experiments.sweep import MOST_ITERATIONS, draw_displacements, measure_shifts, rms
 from fedic.quadrature import MeshQuadrature
 from fedic.synthetic import Speckle, render
 
@@ -101,10 +101,9 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
             chosen_mesh = mesh is unstructured and quadrature.rule == "rotated"
             noise = np.nan
             if chosen_mesh:
-                draws = QUICK_DRAWS if quick else DRAWS
-                noise = (
-                    rms(noise_of(reference, noisy, mesh, setting, quadrature, NOISE, draws, start=(0.4, 0.0))) / bound
-                )
+                count = QUICK_DRAWS if quick else DRAWS
+                draws = draw_displacements(reference, noisy, mesh, setting, quadrature, NOISE, count, start=(0.4, 0.0))
+                noise = rms(draws.std(axis=0, ddof=1)) / bound
             rows.append(
                 {"image": subject.name, "mesh": name, "rule": quadrature.rule}
                 | options
@@ -130,7 +129,7 @@ class _Stretch:
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         self._middle = float(low[0] + high[0]) / 2.0
         shape = (int(high[1]) + 40, int(high[0]) + 40)
-        texture = Speckle(5.5, seed=2)
+        texture = Speckle(SPECKLE, seed=2)
         self._reference = render(texture, ImageFrame(), shape, bits=16)
         self._deformed = render(texture, ImageFrame(), shape, displacement=self._motion, bits=16)
 

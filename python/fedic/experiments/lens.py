@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fedic._core import BrownDistortion, Mesh, Pinhole
 from fedic._types import CellName, Floats
-from fedic.experiments.subjects import Window, window_mesh
+from fedic.experiments.subjects import LEVELS, SPECKLE, Window, window_mesh
 from fedic.synthetic import Speckle, render
 
 __all__ = ["BOUNDS", "FOCAL", "MILLIMETRES", "PIXEL_MOTION", "RADIAL", "ROUNDING", "Pair", "Scene", "textures"]
@@ -25,9 +25,6 @@ PIXEL_MOTION = (-400.0, -200.0)
 """The paper samples its texture at X + S with S = (400, 200) px: the material moves by -S."""
 BOUNDS = (800.3, 500.2, 1100.3, 800.2)
 """Of the mesh, in pixels."""
-SPECKLE_PIXELS = 5.5
-LEVELS = (0.04, 0.96)
-"""With this size: a standard deviation of 57 grey levels and a gradient of 24 per pixel along each axis."""
 ROUNDING = 1.0 / np.sqrt(12.0)
 """Standard deviation of the rounding to whole grey levels."""
 _STEPS_OF_8_BITS = 65535 // 255
@@ -170,7 +167,7 @@ class Scene:
         """
         left, top, right, bottom = self.sensor
         shape = (bottom - top, right - left)
-        texture = Speckle(SPECKLE_PIXELS * MILLIMETRES, seed=seed)
+        texture = Speckle(SPECKLE * MILLIMETRES, seed=seed)
         reference = render(texture, self.camera, shape, levels=LEVELS, bits=16, progress=progress)
         deformed = render(
             texture, self.camera, shape, displacement=self.motion, levels=LEVELS, bits=16, progress=progress

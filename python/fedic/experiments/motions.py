@@ -10,19 +10,16 @@ import numpy as np
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
 from fedic._types import CellName, Floats, Image
 from fedic.experiments.outcome import Request
-from fedic.experiments.subjects import subjects
+from fedic.experiments.subjects import LEVELS, SPECKLE, subjects
 from fedic.synthetic import Speckle, render
 
-__all__ = ["SPECKLE", "Motion", "Scene", "scenes"]
+__all__ = ["Motion", "Scene", "scenes"]
 
-SPECKLE = 5.5
-"""Of the synthetic image, in pixels."""
 _WIDTH, _HEIGHT = 200.0, 240.0
 """Of the mesh, in pixels."""
 _CORNER = (0.3, 0.7)
 _MARGIN = 220
 """Pixels around the mesh in the synthetic image: the largest translation and some more."""
-_LEVELS = (0.04, 0.96)
 
 
 @dataclass(frozen=True)
@@ -143,7 +140,7 @@ def _synthetic() -> Scene:
             there: Floats = (points - centre) @ gradient.T + translation
             return there
 
-        return render(texture, ImageFrame(), shape, displacement=displacement, supersampling=2, levels=_LEVELS)
+        return render(texture, ImageFrame(), shape, displacement=displacement, supersampling=2, levels=LEVELS)
 
     return Scene("synthetic", moved(np.zeros((2, 2)), np.zeros(2)), corner, moved)
 

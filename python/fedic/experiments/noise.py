@@ -11,17 +11,17 @@ from fedic._types import CellName, Floats
 from fedic.correlation import Correlator
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, UNFILTERED, Setting
+from fedic.experiments.subjects import LEVELS, SPECKLE
 from fedic.experiments.sweep import draw_displacements, rms
 from fedic.plot import draw_nodal_field
 from fedic.quadrature import MeshQuadrature
-from fedic.synthetic import Speckle, render
+from fedic.synthetic import Speckle, add_noise, render
 
 __all__ = ["run"]
 
 SHAPE = (220, 260)
 BOUNDS = (30.3, 30.7, 230.7, 190.3)
 MOTION = (0.4, -0.3)
-LEVELS = (0.04, 0.96)
 CELLS: tuple[CellName, ...] = ("quad", "triangle", "quad8", "quad9", "triangle6")
 SETTINGS = (UNFILTERED, DEFAULT)
 NOISES, SIZES = (0.5, 1.0, 2.0, 4.0, 8.0), (8.0, 12.0, 20.0, 30.0)
@@ -46,7 +46,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over setting, cell, element size and noise.
     """
-    texture = Speckle(5.5, seed=1)
+    texture = Speckle(SPECKLE, seed=1)
     reference, deformed = (
         render(texture, ImageFrame(), SHAPE, displacement=motion, levels=LEVELS, bits=16).astype(np.float32) / 257.0
         for motion in (None, MOTION)
@@ -90,9 +90,7 @@ def _errors(
     noise: float,
     draws: int,
 ) -> Floats:
-    found = draw_displacements(
-        reference, deformed, mesh, setting.mesh, noise, draws, start=MOTION, brightness=None, **setting.options
-    )
+    found = draw_displacements(reference, deformed, mesh, setting, setting.mesh, noise, draws, start=MOTION)
     return np.asarray(found - MOTION)
 
 
@@ -112,7 +110,7 @@ def _row(
     predicted: Floats,
 ) -> Row:
     measured = errors.std(axis=0, ddof=1)
-    noisy = (reference + np.random.default_rng(1).normal(0.0, noise, reference.shape)).astype(np.float32)
+    noisy = add_noise(reference, noise=noise, seed=0)
     finest = Setting("bound", UNFILTERED.options, MeshQuadrature(rule="diameter"))
     means = errors.mean(axis=1)
     uncertainty = means.std(axis=0, ddof=1) / np.sqrt(len(means))

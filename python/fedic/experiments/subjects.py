@@ -16,13 +16,18 @@ from fedic.experiments.outcome import Request
 from fedic.gmsh_meshing import unstructured_mesh
 from fedic.synthetic import Speckle, fourier_shift, render
 
-__all__ = ["SIZES", "Subject", "pixel_mesh", "subjects", "window_mesh"]
+__all__ = ["LEVELS", "SIZES", "SPECKLE", "Subject", "pixel_mesh", "subjects", "window_mesh"]
 
 Window: TypeAlias = tuple[float, float, float, float]
 """Left, top, right and bottom of the mesh, in pixels."""
 
 SIZES = (4, 6, 8, 10, 12, 15, 20, 25, 30)
 """Edges of the elements, in pixels, of Fig. 7 and 14."""
+
+SPECKLE = 5.5
+"""Of synthetic images, in pixels."""
+LEVELS = (0.04, 0.96)
+"""With this size: a standard deviation of 57 grey levels and a gradient of 24 per pixel along each axis."""
 
 _WIDTH, _HEIGHT = 220.4, 320.6
 """Of the mesh, in pixels: no whole number, as its corners."""
@@ -31,8 +36,6 @@ _MARGIN = 40
 """Pixels kept around the mesh."""
 _PATCH = 21
 """Side of the squares whose texture is judged."""
-_SYNTHETIC_SPECKLE = 5.5
-_SYNTHETIC_LEVELS = (0.04, 0.96)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,8 +152,8 @@ def pixel_mesh(corners: Sequence[tuple[float, float]], size: float, cell: CellNa
 
 def _synthetic() -> Subject:
     shape = (round(_HEIGHT) + 4 * _MARGIN, round(_WIDTH) + 4 * _MARGIN)
-    texture = Speckle(_SYNTHETIC_SPECKLE, seed=0)
-    image = render(texture, ImageFrame(), shape, levels=_SYNTHETIC_LEVELS)
+    texture = Speckle(SPECKLE, seed=0)
+    image = render(texture, ImageFrame(), shape, levels=LEVELS)
     return Subject("synthetic", image, 2 * _MARGIN, 2 * _MARGIN)
 
 

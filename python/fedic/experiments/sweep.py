@@ -2,21 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from fedic._core import ImageFrame, Mesh
-from fedic._types import Camera, Floats, Image
+from fedic._core import Mesh
+from fedic._types import Floats, Image
 from fedic.correlation import Correlator
 from fedic.errors import SolveError
+from fedic.experiments.outcome import Row
 from fedic.experiments.settings import Setting
 from fedic.quadrature import Quadrature
+from fedic.synthetic import add_noise
 
-__all__ = ["Accuracy", "draw_displacements", "measure_shifts", "noise_of", "rms"]
+__all__ = ["Accuracy", "draw_displacements", "measure_shifts", "rms"]
 
 TOLERANCE = 1e-5
-TOLERANCE_NOISE = 1e-4
+TOLERANCE_UNDER_NOISE = 1e-4
 MOST_ITERATIONS = 400
 
 
@@ -44,7 +45,7 @@ class Accuracy:
     converged: bool
     num_points: int
 
-    def as_row(self) -> dict[str, Any]:
+    def as_row(self) -> Row:
         """Return the entries of a table's row."""
         return {
             "bias_px": self.bias,
@@ -62,7 +63,6 @@ def measure_shifts(
     mesh: Mesh,
     setting: Setting,
     quadrature: Quadrature,
-    camera: Camera = ImageFrame(),
 ) -> Accuracy:
     """Measure images moved by known translations of the whole, without brightness correction.
 
@@ -80,8 +80,6 @@ def measure_shifts(
         Interpolation, gradient and prefilter.
     quadrature : Quadrature
         Where the points lie.
-    camera : camera
-        `ImageFrame` for a mesh in pixels.
 
     Returns
     -------
@@ -91,7 +89,6 @@ def measure_shifts(
     correlator = Correlator(
         reference,
         mesh,
-        camera,
         quadrature=quadrature,
         brightness=None,
         tolerance=TOLERANCE,
@@ -104,7 +101,7 @@ def measure_shifts(
             result = correlator.correlate(image)
         except SolveError:
             return Accuracy(np.nan, np.nan, MOST_ITERATIONS, False, correlator.num_points)
-        errors: Floats = result.pixel_displacement[:, 0] - shift[0]
+        errors: Floats = result.displacement[:, 0] - shift[0]
         biases.append(abs(float(errors.mean())))
         stds.append(float(errors.std()))
         iterations = max(iterations, result.iterations)
@@ -112,7 +109,7 @@ def measure_shifts(
     return Accuracy(float(np.mean(biases)), float(np.mean(stds)), iterations, converged, correlator.num_points)
 
 
-def noise_of(
+def draw_displacements(
     reference: Image,
     deformed: Image,
     mesh: Mesh,
@@ -121,9 +118,9 @@ def noise_of(
     noise: float,
     draws: int,
     *,
-    start: tuple[float, float] = (0.0, 0.0),
+    start: tuple[float, float],
 ) -> Floats:
-    """Measure the standard deviation of the nodal displacement under noise on both images.
+    """Measure pairs of images with independent Gaussian noise on both, without brightness correction.
 
     Parameters
     ----------
@@ -144,54 +141,24 @@ def noise_of(
 
     Returns
     -------
-    ndarray of float, shape (n, 2)
-        Along ``u`` and ``v``, in pixels.
-    """
-    found = draw_displacements(
-        reference, deformed, mesh, quadrature, noise, draws, start=start, brightness=None, **setting.options
-    )
-    return np.asarray(found.std(axis=0, ddof=1))
-
-
-def draw_displacements(
-    reference: Image,
-    deformed: Image,
-    mesh: Mesh,
-    quadrature: Quadrature,
-    noise: float,
-    draws: int,
-    *,
-    start: tuple[float, float] = (0.0, 0.0),
-    **options: Any,
-) -> Floats:
-    """Measure pairs of images with independent Gaussian noise on both.
-
-    Parameters
-    ----------
-    reference, deformed, mesh, quadrature, noise, draws, start
-        See `noise_of`.
-    **options
-        Of `fedic.correlate`.
-
-    Returns
-    -------
     ndarray of float, shape (draws, n, 2)
         Nodal displacements, in pixels.
     """
-    rng = np.random.default_rng(0)
     initial = np.broadcast_to(np.asarray(start), (mesh.num_nodes, 2))
-
-    def noisy(image: Image) -> Image:
-        return (image + rng.normal(0.0, noise, image.shape)).astype(np.float32)
-
-    return np.stack(
-        [
-            Correlator(noisy(reference), mesh, quadrature=quadrature, tolerance=TOLERANCE_NOISE, **options)
-            .correlate(noisy(deformed), initial=initial)
-            .displacement
-            for _ in range(draws)
-        ]
-    )
+    found = []
+    for draw in range(draws):
+        noisy_reference = add_noise(reference, noise=noise, seed=2 * draw)
+        noisy_deformed = add_noise(deformed, noise=noise, seed=2 * draw + 1)
+        correlator = Correlator(
+            noisy_reference,
+            mesh,
+            quadrature=quadrature,
+            brightness=None,
+            tolerance=TOLERANCE_UNDER_NOISE,
+            **setting.options,
+        )
+        found.append(correlator.correlate(noisy_deformed, initial=initial).displacement)
+    return np.stack(found)
 
 
 def rms(values: Floats) -> float:
