@@ -61,7 +61,7 @@ fn names_of_interpolations_parse_back() {
     for kind in Interpolation::ALL {
         assert_eq!(kind.to_string().parse(), Ok(kind));
     }
-    assert_eq!(Interpolation::default(), Interpolation::Bspline3);
+    assert_eq!(Interpolation::default(), Interpolation::Bspline5);
 }
 
 #[test]
