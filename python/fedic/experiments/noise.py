@@ -29,7 +29,7 @@ NOISE, SIZE = 2.0, 20.0
 """Of the cases in which the other quantities vary."""
 MODERATE = 4.0
 """Largest noise that claims are made of, in grey levels: about 15 % of the gradient per pixel."""
-DRAWS, DRAWS_OF_THE_MAP = 60, 400
+DRAWS, DRAWS_OF_THE_MAP = 60, 2000
 QUICK_NOISES, QUICK_SIZES, QUICK_DRAWS, QUICK_DRAWS_OF_THE_MAP = (2.0,), (20.0,), 10, 200
 
 
