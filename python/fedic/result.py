@@ -57,7 +57,7 @@ class Result:
     num_points : int
         Number of quadrature points.
     residual_std : float
-        Standard deviation of the residual over the mesh, in grey levels.
+        Standard deviation of the residual over the mesh, in grey levels of the images as prefiltered.
     cell_residuals : ndarray of float, shape (num_cells,)
         Standard deviation of the residual in each cell, in grey levels.
     outside_cells : ndarray of int
