@@ -7,14 +7,13 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
-from fedic import demo
 from fedic._core import aperture_points
+from fedic.experiments.lens import FOCAL, MILLIMETRES, Scene
 from fedic.synthetic import Speckle, add_noise, fourier_shift, render
 
 Floats = NDArray[np.float64]
 
-MILLIMETRES = demo.DISTANCE / demo.FOCAL
-"""Size of a pixel of the demo on its plane."""
+DISTANCE = MILLIMETRES * FOCAL
 
 
 def pinhole(focal: float, principal_point: tuple[float, float], k1: float, tilt: float = 0.0) -> fedic.Pinhole:
@@ -22,12 +21,12 @@ def pinhole(focal: float, principal_point: tuple[float, float], k1: float, tilt:
         (focal, focal),
         principal_point,
         rotation=(np.pi + tilt, 0.0, 0.0),
-        translation=(0.0, 0.0, demo.DISTANCE),
+        translation=(0.0, 0.0, DISTANCE),
         distortion=fedic.BrownDistortion(radial=(k1, 0.0, 0.0)),
     )
 
 
-DEMO_CAMERA = pinhole(demo.FOCAL, demo.PRINCIPAL_POINT, demo.RADIAL[0])
+DEMO_CAMERA = Scene().camera
 CAMERAS = {
     "frame": fedic.ImageFrame(),
     "front": fedic.FrontParallel(1.0 / MILLIMETRES, (3.0, 40.0)),
@@ -50,7 +49,7 @@ def aperture_error(camera: fedic.Pinhole, rows: tuple[int, int], width: int, sup
 
 def test_the_aperture_follows_the_lens() -> None:
     # The first rows hold the corners, where the lens bends most.
-    assert aperture_error(DEMO_CAMERA, (0, 4), demo.SHAPE[1], 3) < 3e-7
+    assert aperture_error(DEMO_CAMERA, (0, 4), 1388, 3) < 3e-7
     wide = pinhole(1400.0, (700.0, 500.0), -0.2)
     assert aperture_error(wide, (0, 4), 1400, 3) < 1e-4
     assert aperture_error(pinhole(1400.0, (700.0, 500.0), 0.0, tilt=0.5), (0, 4), 1400, 3) < 1e-4

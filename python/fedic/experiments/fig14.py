@@ -18,7 +18,7 @@ CELLS: tuple[CellName, ...] = ("quad", "triangle")
 QUICK_SIZES = (10, 20)
 SMALLEST_CLAIMED = 10
 """Element size, in pixels, from which the claims are made."""
-TEXTURES, QUICK_TEXTURES = 6, 3
+TEXTURES = 6
 LARGEST_BIAS, NEAR_BOUND = 1e-4, 0.1
 IGNORED_BIAS = (0.016, 0.020)
 """Along ``u``, in pixels."""
@@ -38,7 +38,7 @@ def run(request: Request) -> Outcome:
     Parameters
     ----------
     request : Request
-        A quick run has fewer sizes and textures.
+        A quick run has fewer sizes.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def run(request: Request) -> Outcome:
         Rows over setting, quadrature, depth, cell and size.
     """
     scene = Scene()
-    fine = textures(QUICK_TEXTURES if request.quick else TEXTURES)
+    fine = textures(TEXTURES)
     depths = ((8, [pair.rounded() for pair in fine]), (16, fine[:1]))
     coarse = depths[0][1]
     sizes = QUICK_SIZES if request.quick else SIZES
