@@ -194,7 +194,7 @@ def _claims(image: str, rows: list[Row]) -> list[Claim]:
 
 def _figure(image: str, rows: list[Row]) -> Figure:
     mine = [row for row in rows if row["image"] == image and row["mesh"] == "unstructured" and row["rule"] == "rotated"]
-    figure = Figure(figsize=(12.0, 4.6), layout="constrained")
+    figure = Figure(figsize=(12.0, 5.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     keys = [key for key in mine[0] if key.startswith("bias_at_")]
     colours = {"bilinear": "tab:gray", "bicubic": "tab:orange", "bspline3": "tab:blue", "bspline5": "tab:green"}
@@ -212,7 +212,7 @@ def _figure(image: str, rows: list[Row]) -> Figure:
             )
     left.axhline(LARGEST_BIAS, color="black", linewidth=0.8)
     left.set(yscale="log", xlabel="shift (px)", ylabel="|bias| (px)", title=f"{image} image")
-    left.legend(fontsize="xx-small", ncols=2)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", fontsize="x-small", ncols=4)
     for name, gradient in product(colours, GRADIENTS):
         line = [row for row in mine if row["interpolation"] == name and row["gradient"] == gradient]
         right.plot(
@@ -227,7 +227,10 @@ def _figure(image: str, rows: list[Row]) -> Figure:
             right.annotate(f"{row['prefilter']:g}", (row["noise_over_bound"], row["bias_px"]), fontsize=6)
     right.axhline(LARGEST_BIAS, color="black", linewidth=0.8)
     right.set(
-        yscale="log", xlabel="noise / Cramér-Rao bound", ylabel="largest |bias| (px)", title="prefilter in pixels"
+        yscale="log",
+        xlabel="noise / Cramér-Rao bound",
+        ylabel="largest |bias| (px)",
+        title=f"{image} image: prefilters from 0 to 1 px",
     )
     right.legend(fontsize="xx-small")
     for axes in (left, right):
