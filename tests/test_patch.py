@@ -73,7 +73,7 @@ def test_uniform_gradients_are_measured(images: dict[str, np.ndarray], field: st
 def test_the_prefilter_costs_little_under_strain(images: dict[str, np.ndarray]) -> None:
     """The error it adds grows with the strain, here up to 0.8 %; there is none under a translation."""
     mesh = fedic.rectangle_mesh((25.3, 24.6, 135.7, 114.9), 22.0)
-    for name, most in (("translation", 0.0001), ("affine", 0.0015)):
+    for name, most in (("translation", 0.00006), ("affine", 0.0008)):
         errors = fedic.correlate(images["reference"], images[name], mesh).displacement - FIELDS[name](mesh.points)
         assert errors.std() < most
 

@@ -15,6 +15,7 @@ from fedic.experiments.lens import FOCAL, MILLIMETRES, RADIAL, Pair, Scene
 from fedic.experiments.lens_errors import Measurement, measure, rounding_bound, sum_up
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT, UNFILTERED, Setting
+from fedic.experiments.sweep import rms
 
 __all__ = ["run"]
 
@@ -160,17 +161,13 @@ def _rows(name: str, value: float, scene: Scene, count: int) -> list[Row]:
                         "bits": bits,
                         **sum_up(found).as_row(),
                         "max_px": float(np.abs(errors).max()),
-                        "rms_px": _rms(errors),
-                        "theory_rms_px": _rms(theory),
-                        "rms_from_theory_px": _rms(errors - theory),
-                        "bound_px": bound if bits == 8 else 0.0,
+                        "rms_px": rms(errors),
+                        "theory_rms_px": rms(theory),
+                        "rms_from_theory_px": rms(errors - theory),
+                        "bound_px": bound if bits == 8 else np.nan,
                     }
                 )
     return rows
-
-
-def _rms(values: Floats) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _measure(scene: Scene, pair: Pair, mesh: Mesh, setting: Setting, lens: bool) -> Measurement:

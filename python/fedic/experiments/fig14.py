@@ -9,6 +9,7 @@ from fedic.experiments.lens import Scene, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT, PAPER, UNFILTERED, Setting
+from fedic.experiments.style import COLOURS, MARKERS
 from fedic.experiments.subjects import SIZES
 
 __all__ = ["run"]
@@ -22,14 +23,6 @@ TEXTURES = 6
 LARGEST_BIAS, NEAR_BOUND = 1e-4, 0.1
 IGNORED_BIAS = (0.016, 0.020)
 """Along ``u``, in pixels."""
-
-_COLOURS = {
-    ("paper", "pixel"): "tab:red",
-    ("paper", "mesh"): "tab:blue",
-    ("default", "pixel"): "tab:orange",
-    ("default", "mesh"): "tab:green",
-}
-_MARKERS = {"quad": "s", "triangle": "^"}
 
 
 def run(request: Request) -> Outcome:
@@ -69,7 +62,7 @@ def run(request: Request) -> Outcome:
                                 "cell": cell,
                                 "size_px": size,
                                 **found.as_row(),
-                                "bound_px": bound if bits == 8 else 0.0,
+                                "bound_px": bound if bits == 8 else np.nan,
                             }
                         )
                         request.progress(len(rows) / total)
@@ -139,8 +132,8 @@ def _figure(rows: list[Row], floor: float) -> Figure:
     left, right = figure.subplots(1, 2)
     coarse = [row for row in rows if row["bits"] == 8]
     for axes, key, label in ((left, "std_px", "standard deviation"), (right, "bias_u_px", "|bias| along u")):
-        for (setting, kind), colour in _COLOURS.items():
-            for cell, marker in _MARKERS.items():
+        for (setting, kind), colour in COLOURS.items():
+            for cell, marker in MARKERS.items():
                 line = [
                     row for row in coarse if (row["setting"], row["quadrature"], row["cell"]) == (setting, kind, cell)
                 ]
@@ -154,7 +147,7 @@ def _figure(rows: list[Row], floor: float) -> Figure:
         exact = [row for row in rows if (row["setting"], row["quadrature"]) == ("default", "mesh")]
         exact = [row for row in exact if (row["bits"], row["cell"]) == (16, cell)]
         for axes, key in ((left, "std_px"), (right, "bias_u_px")):
-            _draw(axes, exact, key, f"default, mesh, with the lens, 16 bits, {cell}", "tab:grey", _MARKERS[cell], cell)
+            _draw(axes, exact, key, f"default, mesh, with the lens, 16 bits, {cell}", "tab:grey", MARKERS[cell], cell)
     right.axhline(floor, color="k", linestyle=":", label="floor of rounding, one pair")
     handles = dict(zip(*reversed(left.get_legend_handles_labels()), strict=True))
     handles |= dict(zip(*reversed(right.get_legend_handles_labels()), strict=True))

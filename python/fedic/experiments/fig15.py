@@ -14,6 +14,7 @@ from fedic.experiments.lens import Pair, Scene, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT, PAPER, UNFILTERED, Setting
+from fedic.experiments.style import MARKERS
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 
 __all__ = ["run"]
@@ -36,7 +37,6 @@ LEAST_COMPARED = 0.4
 _COLOURS = {PAPER.name: "tab:blue", UNFILTERED.name: "tab:purple", DEFAULT.name: "tab:green"}
 _PIXEL_COLOURS = {PAPER.name: "tab:red", UNFILTERED.name: "tab:pink", DEFAULT.name: "tab:orange"}
 _RULE_COLOURS = {"diameter": "tab:blue", "edges": "tab:orange", "rotated": "tab:green"}
-_MARKERS = {"quad": "s", "triangle": "^"}
 
 
 def run(request: Request) -> Outcome:
@@ -174,7 +174,7 @@ def _draw(axes: Axes, line: list[Row], key: str, label: str, colour: str, cell: 
     axes.plot(
         [100.0 * float(row["points_per_pixel"]) for row in line],
         [float(row[key]) for row in line],
-        marker=_MARKERS[cell],
+        marker=MARKERS[cell],
         markersize=4.0,
         color=colour,
         linestyle="-" if cell == "quad" else "--",

@@ -53,7 +53,7 @@ def run(request: Request) -> Outcome:
                         "quadrature": kind,
                         "bits": bits,
                         **sum_up(each).as_row(),
-                        "bound_px": bound if bits == 8 else 0.0,
+                        "bound_px": bound if bits == 8 else np.nan,
                         **_likeness(each, expected),
                     }
                 )

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from fedic._types import CellName
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, PAPER_SPLINES, UNFILTERED, Setting
+from fedic.experiments.style import COLOURS, MARKERS
 from fedic.experiments.subjects import SIZES, Subject, subjects, window_mesh
 from fedic.experiments.sweep import measure_shifts
 
@@ -19,14 +20,6 @@ QUICK_SIZES = (10, 20)
 SMALLEST_CLAIMED = 10
 """Element size, in pixels, from which the claims are made."""
 GAIN, LARGEST_BIAS = 6.0, 1e-4
-
-_MARKERS = {"quad": "s", "triangle": "^"}
-_COLOURS = {
-    ("paper", "pixel"): "tab:red",
-    ("paper", "mesh"): "tab:blue",
-    ("default", "pixel"): "tab:orange",
-    ("default", "mesh"): "tab:green",
-}
 
 
 def run(request: Request) -> Outcome:
@@ -149,8 +142,8 @@ def _figure(images: list[str], rows: list[Row]) -> Figure:
 
 
 def _draw(axes: Axes, rows: list[Row], key: str) -> None:
-    for (setting, kind), colour in _COLOURS.items():
-        for cell, marker in _MARKERS.items():
+    for (setting, kind), colour in COLOURS.items():
+        for cell, marker in MARKERS.items():
             line = [row for row in rows if (row["setting"], row["quadrature"], row["cell"]) == (setting, kind, cell)]
             axes.plot(
                 [row["size_px"] for row in line],

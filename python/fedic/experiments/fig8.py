@@ -6,13 +6,12 @@ from typing import Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from fedic._core import ImageFrame, Mesh
 from fedic._types import CellName, Floats
-from fedic.correlation import Correlator
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, UNFILTERED, Setting
+from fedic.experiments.style import MARKERS
 from fedic.experiments.subjects import Subject, subjects, window_mesh
-from fedic.experiments.sweep import draw_displacements, measure_shifts, rms
+from fedic.experiments.sweep import draw_displacements, measure_shifts, noise_bound, rms
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
 __all__ = ["run"]
@@ -28,7 +27,6 @@ NOISE = 2.0
 DRAWS, QUICK_DRAWS = 30, 10
 
 _COLOURS = {"edges": "tab:blue", "rotated": "tab:green", "diameter": "tab:orange", "pixel": "tab:red"}
-_MARKERS = {"quad": "s", "triangle": "^"}
 
 
 def run(request: Request) -> Outcome:
@@ -73,7 +71,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
     total = len(CELLS) * len(SETTINGS) * len(rules)
     for cell, setting in product(CELLS, SETTINGS):
         mesh = window_mesh(subject.window, SIZE, cell)
-        bound = _bound(subject, mesh)
+        bound = noise_bound(reference, mesh, NOISE)
         for rule, density, quadrature in rules:
             found = measure_shifts(reference, deformed, SHIFTS, mesh, setting, quadrature)
             draws = draw_displacements(
@@ -92,13 +90,6 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
             rows.append(place | figures | found.as_row())
             progress(len(rows) / total)
     return rows
-
-
-def _bound(subject: Subject, mesh: Mesh) -> float:
-    """Cramér-Rao bound of the noise, in pixels, root mean square over the nodes."""
-    finest = MeshQuadrature(rule="diameter")
-    correlator = Correlator(subject.reference, mesh, ImageFrame(), quadrature=finest, **UNFILTERED.options)
-    return rms(correlator.standard_deviations(NOISE))
 
 
 def _claims(image: str, rows: list[Row]) -> list[Claim]:
@@ -163,7 +154,7 @@ def _figure(image: str, rows: list[Row]) -> Figure:
                 axes.plot(
                     [100.0 * row["points_per_pixel"] for row in line],
                     [row[key] for row in line],
-                    marker=_MARKERS[cell],
+                    marker=MARKERS[cell],
                     color=_COLOURS[rule],
                     linestyle="-" if cell == "quad" else "--",
                     label=f"{rule}, {cell}",

@@ -9,9 +9,9 @@ from fedic._core import ImageFrame, Mesh, rectangle_mesh
 from fedic._types import Floats
 from fedic.correlation import Correlator
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
-from fedic.experiments.settings import UNFILTERED, Setting
+from fedic.experiments.settings import Setting
 from fedic.experiments.subjects import SPECKLE, Subject, subjects, window_mesh
-from fedic.experiments.sweep import MOST_ITERATIONS, draw_displacements, measure_shifts, rms
+from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE, draw_displacements, measure_shifts, noise_bound, rms
 from fedic.quadrature import MeshQuadrature
 from fedic.synthetic import Speckle, render
 
@@ -70,11 +70,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
     noisy = subject.shifted((0.4, 0.0))
     unstructured, regular = window_mesh(subject.window, SIZE, "quad"), rectangle_mesh(REGULAR, size=SIZE)
     stretch = _Stretch(unstructured)
-    bound = rms(
-        Correlator(
-            reference, unstructured, quadrature=MeshQuadrature(rule="diameter"), **UNFILTERED.options
-        ).standard_deviations(NOISE)
-    )
+    bound = noise_bound(reference, unstructured, NOISE)
     choices = list(
         product(
             QUICK_INTERPOLATIONS if quick else INTERPOLATIONS,
@@ -94,10 +90,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
         options = {"interpolation": interpolation, "gradient": gradient, "prefilter": prefilter}
         for name, mesh, quadrature in meshes:
             setting = Setting(interpolation, options, quadrature)
-            each = [
-                measure_shifts(reference, [g], [shift], mesh, setting, quadrature)
-                for g, shift in zip(deformed, shifts, strict=True)
-            ]
+            found = measure_shifts(reference, deformed, shifts, mesh, setting, quadrature)
             chosen_mesh = mesh is unstructured and quadrature.rule == "rotated"
             noise = np.nan
             if chosen_mesh:
@@ -108,14 +101,14 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
                 {"image": subject.name, "mesh": name, "rule": quadrature.rule}
                 | options
                 | {
-                    "bias_px": max(found.bias for found in each),
-                    "std_px": max(found.std for found in each),
+                    "bias_px": max(found.biases),
+                    "std_px": max(found.stds),
                     "noise_over_bound": noise,
                     "stretch_error_px": stretch.error(setting) if chosen_mesh else np.nan,
-                    "iterations": max(found.iterations for found in each),
-                    "converged": all(found.converged for found in each),
+                    "iterations": found.iterations,
+                    "converged": found.converged,
                 }
-                | {f"bias_at_{shift[0]:g}": found.bias for found, shift in zip(each, shifts, strict=True)}
+                | {f"bias_at_{shift[0]:g}": bias for bias, shift in zip(found.biases, shifts, strict=True)}
             )
             progress(len(rows) / (len(choices) * len(meshes)))
     return rows
@@ -143,7 +136,7 @@ class _Stretch:
             self._reference,
             self._mesh,
             quadrature=setting.mesh,
-            tolerance=1e-5,
+            tolerance=TOLERANCE,
             max_iterations=MOST_ITERATIONS,
             **setting.options,
         )

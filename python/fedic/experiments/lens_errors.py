@@ -13,7 +13,7 @@ from fedic.errors import SolveError
 from fedic.experiments.lens import MILLIMETRES, ROUNDING, Pair, Scene
 from fedic.experiments.outcome import Row
 from fedic.experiments.settings import UNFILTERED, Setting
-from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE
+from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE, rms
 from fedic.quadrature import Quadrature
 from fedic.result import Result
 
@@ -85,7 +85,7 @@ class LensAccuracy:
             "bias_v_px": self.bias[1],
             "std_u_px": self.std[0],
             "std_v_px": self.std[1],
-            "std_px": float(np.sqrt(np.mean(np.square(self.std)))),
+            "std_px": rms(np.array(self.std)),
             "iterations": self.iterations,
             "converged": self.converged,
             "points": self.num_points,
@@ -226,7 +226,7 @@ def rounding_bound(scene: Scene, pair: Pair, mesh: Mesh) -> float:
     correlator = Correlator(
         pair.reference, scene.in_millimetres(mesh), scene.camera, quadrature=UNFILTERED.mesh, **UNFILTERED.options
     )
-    return float(np.sqrt(np.mean(np.square(_in_pixels(correlator.standard_deviations(ROUNDING))))))
+    return rms(_in_pixels(correlator.standard_deviations(ROUNDING)))
 
 
 def _in_pixels(vectors: Floats) -> Floats:

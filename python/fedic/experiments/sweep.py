@@ -10,11 +10,19 @@ from fedic._types import Floats, Image
 from fedic.correlation import Correlator
 from fedic.errors import SolveError
 from fedic.experiments.outcome import Row
-from fedic.experiments.settings import Setting
-from fedic.quadrature import Quadrature
+from fedic.experiments.settings import UNFILTERED, Setting
+from fedic.quadrature import MeshQuadrature, Quadrature
 from fedic.synthetic import add_noise
 
-__all__ = ["Accuracy", "draw_displacements", "measure_shifts", "rms"]
+__all__ = [
+    "MOST_ITERATIONS",
+    "TOLERANCE",
+    "Accuracy",
+    "draw_displacements",
+    "measure_shifts",
+    "noise_bound",
+    "rms",
+]
 
 TOLERANCE = 1e-5
 TOLERANCE_UNDER_NOISE = 1e-4
@@ -23,14 +31,14 @@ MOST_ITERATIONS = 400
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Errors of the measured displacement along ``u``, over the nodes, averaged over several motions.
+    """Errors of the measured displacement along ``u``, over the nodes, for several motions.
 
     Attributes
     ----------
-    bias : float
-        Mean over the motions of the absolute mean error, in pixels.
-    std : float
-        Mean over the motions of the standard deviation of the error, in pixels.
+    biases : tuple of float
+        Absolute mean error of each motion, in pixels.
+    stds : tuple of float
+        Standard deviation of the error of each motion, in pixels.
     iterations : int
         Most iterations.
     converged : bool
@@ -39,11 +47,21 @@ class Accuracy:
         Quadrature points.
     """
 
-    bias: float
-    std: float
+    biases: tuple[float, ...]
+    stds: tuple[float, ...]
     iterations: int
     converged: bool
     num_points: int
+
+    @property
+    def bias(self) -> float:
+        """Mean of the biases, in pixels."""
+        return float(np.mean(self.biases))
+
+    @property
+    def std(self) -> float:
+        """Mean of the standard deviations, in pixels."""
+        return float(np.mean(self.stds))
 
     def as_row(self) -> Row:
         """Return the entries of a table's row."""
@@ -84,7 +102,7 @@ def measure_shifts(
     Returns
     -------
     Accuracy
-        Over the nodes and the motions.
+        Over the nodes, for each motion.
     """
     correlator = Correlator(
         reference,
@@ -100,13 +118,35 @@ def measure_shifts(
         try:
             result = correlator.correlate(image)
         except SolveError:
-            return Accuracy(np.nan, np.nan, MOST_ITERATIONS, False, correlator.num_points)
+            missing = (np.nan,) * len(shifts)
+            return Accuracy(missing, missing, MOST_ITERATIONS, False, correlator.num_points)
         errors: Floats = result.displacement[:, 0] - shift[0]
         biases.append(abs(float(errors.mean())))
         stds.append(float(errors.std()))
         iterations = max(iterations, result.iterations)
         converged &= result.converged
-    return Accuracy(float(np.mean(biases)), float(np.mean(stds)), iterations, converged, correlator.num_points)
+    return Accuracy(tuple(biases), tuple(stds), iterations, converged, correlator.num_points)
+
+
+def noise_bound(reference: Image, mesh: Mesh, noise: float) -> float:
+    """Compute the Cramér-Rao bound of the displacement under noise on both images.
+
+    Parameters
+    ----------
+    reference : ndarray
+        The image without that noise.
+    mesh : Mesh
+        In the image frame.
+    noise : float
+        Standard deviation of the noise of each image, in grey levels.
+
+    Returns
+    -------
+    float
+        Root mean square over the nodes and both components, in pixels.
+    """
+    finest = MeshQuadrature(rule="diameter")
+    return rms(Correlator(reference, mesh, quadrature=finest, **UNFILTERED.options).standard_deviations(noise))
 
 
 def draw_displacements(
