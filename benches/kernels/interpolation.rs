@@ -9,6 +9,10 @@ use fedic_benches::{Picture, SENSOR, criterion, jitter};
 /// Columns and rows of the scan.
 const SCAN: [usize; 2] = [1000, 100];
 const ORIGIN: f64 = 500.0;
+/// A pixel near the points.
+const PIXEL: [isize; 2] = [1000, 550];
+/// Points read at once, as many as a cell has.
+const CELL: usize = 400;
 
 fn interpolation(c: &mut Criterion) {
     let picture = Picture::new(SENSOR, [0.0; 2]);
@@ -19,6 +23,8 @@ fn interpolation(c: &mut Criterion) {
     };
     let u = scan(|index| index % SCAN[0], &noise[..count]);
     let v = scan(|index| index / SCAN[0], &noise[count..]);
+    let near = |place: &[f64], pixel: isize| -> Vec<f32> { place.iter().map(|x| (x - pixel as f64) as f32).collect() };
+    let (near_u, near_v) = (near(&u, PIXEL[0]), near(&v, PIXEL[1]));
     let (mut value, mut du, mut dv) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
 
     let mut group = c.benchmark_group("interpolation");
@@ -26,8 +32,16 @@ fn interpolation(c: &mut Criterion) {
     for kind in Interpolation::ALL {
         let interpolator = Interpolator::new(picture.view(), kind);
         group.bench_function(format!("values/{kind}"), |b| b.iter(|| interpolator.values(&u, &v, &mut value)));
-        group.bench_function(format!("values_and_gradients/{kind}"), |b| {
-            b.iter(|| interpolator.values_and_gradients(&u, &v, &mut value, &mut du, &mut dv));
+        group.bench_function(format!("values_near/{kind}"), |b| {
+            b.iter(|| {
+                for (index, value) in value.chunks_mut(CELL).enumerate() {
+                    let points = index * CELL..index * CELL + value.len();
+                    interpolator.values_near(PIXEL, &near_u[points.clone()], &near_v[points], value);
+                }
+            });
+        });
+        group.bench_function(format!("values_and_gradients_near/{kind}"), |b| {
+            b.iter(|| interpolator.values_and_gradients_near(PIXEL, &near_u, &near_v, &mut value, &mut du, &mut dv));
         });
     }
     group.finish();

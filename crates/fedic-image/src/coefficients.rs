@@ -57,7 +57,7 @@ impl Coefficients {
     /// above and below.
     fn by_bands(view: ImageView<'_>, band: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let (stride, height) = (view.width() + 2 * PADDING, view.height());
-        let mut data = vec![0.0; stride * (height + 2 * PADDING)];
+        let mut data = vec![0.0; stride * (height + 2 * PADDING) + 4];
         data[PADDING * stride..(PADDING + height) * stride]
             .par_chunks_mut(band * stride)
             .enumerate()

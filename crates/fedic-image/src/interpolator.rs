@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use crate::axis::{Axis, BLOCK};
 use crate::coefficients::Coefficients;
 use crate::interpolation::Interpolation;
-use crate::kernel::{AnyKernel, BICUBIC, BILINEAR, BSPLINE3, BSPLINE5, Kernel};
+use crate::kernel::{AnyKernel, BICUBIC, BILINEAR, BSPLINE3, BSPLINE5};
 use crate::prefilter::{CUBIC, QUINTIC};
+use crate::reading::{Points, read};
 use crate::view::ImageView;
 
 /// An image prepared for reading between its pixels.
@@ -83,11 +83,7 @@ impl Interpolator {
     ///
     /// If the slices differ in length.
     pub fn values(&self, u: &[f64], v: &[f64], out: &mut [f32]) {
-        match &self.kernel {
-            AnyKernel::Two(kernel) => self.values_by(kernel, u, v, out),
-            AnyKernel::Four(kernel) => self.values_by(kernel, u, v, out),
-            AnyKernel::Six(kernel) => self.values_by(kernel, u, v, out),
-        }
+        self.read(Points::Absolute(u, v), [out]);
     }
 
     /// Grey level at each point, and its derivatives along the columns `u` and the rows `v`, per pixel: those of the
@@ -97,108 +93,55 @@ impl Interpolator {
     ///
     /// If the slices differ in length.
     pub fn values_and_gradients(&self, u: &[f64], v: &[f64], value: &mut [f32], du: &mut [f32], dv: &mut [f32]) {
-        match &self.kernel {
-            AnyKernel::Two(kernel) => self.gradients_by(kernel, u, v, value, du, dv),
-            AnyKernel::Four(kernel) => self.gradients_by(kernel, u, v, value, du, dv),
-            AnyKernel::Six(kernel) => self.gradients_by(kernel, u, v, value, du, dv),
-        }
+        self.read(Points::Absolute(u, v), [value, du, dv]);
     }
 
-    fn values_by<const TAPS: usize, const TERMS: usize>(
-        &self,
-        kernel: &Kernel<TAPS, TERMS>,
-        u: &[f64],
-        v: &[f64],
-        out: &mut [f32],
-    ) {
-        assert!(u.len() == v.len() && u.len() == out.len(), "one u, one v and one value for each point");
-        let (mut columns, mut rows) = (Axis::new(), Axis::new());
-        let mut terms = [[0.0; TAPS]; BLOCK];
-        for ((u, v), out) in u.chunks(BLOCK).zip(v.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
-            columns.locate(kernel, u, self.width);
-            rows.locate(kernel, v, self.height);
-            for i in 0..u.len() {
-                let [level] = self.weigh_rows(rows.first[i], columns.first[i], [&rows.weights[i]]);
-                multiply(&level, &columns.weights[i], &mut terms[i]);
-            }
-            add_up(&terms, out);
-        }
+    /// Grey level at each point, given by its distance `(u[i], v[i])` in pixels from the pixel `origin`: for points close
+    /// together, single precision is then enough however large the image. NaN where the image does not
+    /// [contain](Self::contains) the point.
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    pub fn values_near(&self, origin: [isize; 2], u: &[f32], v: &[f32], out: &mut [f32]) {
+        self.read(Points::Near(origin, u, v), [out]);
     }
 
-    fn gradients_by<const TAPS: usize, const TERMS: usize>(
+    /// Grey level and derivatives at each point given as in [`values_near`](Self::values_near).
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    pub fn values_and_gradients_near(
         &self,
-        kernel: &Kernel<TAPS, TERMS>,
-        u: &[f64],
-        v: &[f64],
+        origin: [isize; 2],
+        u: &[f32],
+        v: &[f32],
         value: &mut [f32],
         du: &mut [f32],
         dv: &mut [f32],
     ) {
-        let count = u.len();
-        assert!(
-            [v.len(), value.len(), du.len(), dv.len()] == [count; 4],
-            "one u, one v, one value and two derivatives for each point"
-        );
-        let (mut columns, mut rows) = (Axis::new(), Axis::new());
-        let mut terms = [[[0.0; TAPS]; BLOCK]; 3];
-        for start in (0..count).step_by(BLOCK) {
-            let block = start..count.min(start + BLOCK);
-            columns.locate(kernel, &u[block.clone()], self.width);
-            columns.differentiate(kernel, block.len());
-            rows.locate(kernel, &v[block.clone()], self.height);
-            rows.differentiate(kernel, block.len());
-            for i in 0..block.len() {
-                let weights = [&rows.weights[i], &rows.slopes[i]];
-                let [level, slope] = self.weigh_rows(rows.first[i], columns.first[i], weights);
-                multiply(&level, &columns.weights[i], &mut terms[0][i]);
-                multiply(&level, &columns.slopes[i], &mut terms[1][i]);
-                multiply(&slope, &columns.weights[i], &mut terms[2][i]);
-            }
-            add_up(&terms[0], &mut value[block.clone()]);
-            add_up(&terms[1], &mut du[block.clone()]);
-            add_up(&terms[2], &mut dv[block]);
-        }
+        self.read(Points::Near(origin, u, v), [value, du, dv]);
     }
 
-    /// The stencil that begins at `row` and `column`, its rows combined with each set of `weights`: `TAPS` columns are left.
-    #[inline]
-    fn weigh_rows<const TAPS: usize, const SETS: usize>(
-        &self,
-        row: u32,
-        column: u32,
-        weights: [&[f32; TAPS]; SETS],
-    ) -> [[f32; TAPS]; SETS] {
-        let mut lines = [[0.0; TAPS]; SETS];
-        let mut offset = row as usize * self.coefficients.stride() + column as usize;
-        for tap_v in 0..TAPS {
-            let coefficients = &self.coefficients.as_slice()[offset..offset + TAPS];
-            for (line, weights) in lines.iter_mut().zip(weights) {
-                for tap_u in 0..TAPS {
-                    line[tap_u] += weights[tap_v] * coefficients[tap_u];
-                }
-            }
-            offset += self.coefficients.stride();
+    /// Grey levels (one slice), or these and their derivatives (three).
+    fn read<const READINGS: usize>(&self, points: Points<'_>, out: [&mut [f32]; READINGS]) {
+        let count = points.len();
+        assert!(
+            count.is_some_and(|count| out.iter().all(|out| out.len() == count)),
+            "one u, one v and one of each reading for each point"
+        );
+        let (coefficients, size) = (&self.coefficients, [self.width, self.height]);
+        match &self.kernel {
+            AnyKernel::Two(kernel) => read::<1, 2, READINGS>(coefficients, size, kernel, points, out),
+            AnyKernel::Four(kernel) => read::<2, 4, READINGS>(coefficients, size, kernel, points, out),
+            AnyKernel::Six(kernel) => read::<3, 6, READINGS>(coefficients, size, kernel, points, out),
         }
-        lines
     }
 }
 
 impl fmt::Debug for Interpolator {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "Interpolator({} x {} {})", self.width, self.height, self.kind)
-    }
-}
-
-#[inline]
-fn multiply<const TAPS: usize>(line: &[f32; TAPS], weights: &[f32; TAPS], terms: &mut [f32; TAPS]) {
-    for tap in 0..TAPS {
-        terms[tap] = line[tap] * weights[tap];
-    }
-}
-
-#[inline]
-fn add_up<const TAPS: usize>(terms: &[[f32; TAPS]; BLOCK], out: &mut [f32]) {
-    for (terms, out) in terms.iter().zip(out) {
-        *out = terms[1..].iter().fold(terms[0], |sum, term| sum + term);
     }
 }

@@ -1,94 +1,100 @@
 //! The interpolation kernels, as the polynomials their weights are between two pixels.
 //!
-//! Every kernel here is a piecewise polynomial on unit intervals. Between two pixels, at fraction `t`, the weight of each of
-//! its taps is a polynomial in `t`; storing them by power of `t` lets one Horner scheme compute all the taps at once, which
-//! is what vector registers like. The polynomials are data carried by the interpolator, not constants of the code: known
-//! zeros and ones would tempt the compiler to compute the taps one by one, and kernels of equal size share their code.
+//! Every kernel here is even and a polynomial on unit intervals. With `s` the distance from the middle between two pixels, in
+//! `[-1/2, 1/2]`, the weights of a tap and of its mirror image are `e(s^2) + s o(s^2)` and `e(s^2) - s o(s^2)`: half the
+//! polynomials, of half the degree. They are data, not code, and kernels of equal size share theirs.
 
-/// A kernel of `TAPS` weights, polynomials of `TERMS` terms in the fraction `t` in `[0, 1)`.
-///
-/// Tap `i` weighs the sample at `floor(x) + i + 1 - TAPS / 2`. `terms[p][i]` multiplies `t^p` in the weight of tap `i`.
+use crate::lanes::{BLOCK, Lane, fused};
+
+/// A kernel of `2 HALF` taps. Tap `i` weighs the sample at `floor(x) + i + 1 - HALF`.
 #[derive(Clone)]
-pub(crate) struct Kernel<const TAPS: usize, const TERMS: usize> {
-    terms: [[f32; TAPS]; TERMS],
+pub(crate) struct Kernel<const HALF: usize> {
+    /// `even[i][p]` multiplies `s^(2 p)` in the weight of tap `i < HALF`, and in that of tap `2 HALF - 1 - i`.
+    even: [[f32; HALF]; HALF],
+    /// `odd[i][p]` multiplies `s^(2 p + 1)` in the weight of tap `i < HALF`, and its opposite in that of its mirror image.
+    odd: [[f32; HALF]; HALF],
 }
 
 /// A kernel whose number of taps is known when the image is prepared.
 #[derive(Clone)]
 pub(crate) enum AnyKernel {
-    Two(Kernel<2, 2>),
-    Four(Kernel<4, 4>),
-    Six(Kernel<6, 6>),
+    Two(Kernel<1>),
+    Four(Kernel<2>),
+    Six(Kernel<3>),
 }
 
 /// Straight lines between neighbours.
-pub(crate) const BILINEAR: Kernel<2, 2> = Kernel { terms: [[1.0, 0.0], [-1.0, 1.0]] };
+pub(crate) const BILINEAR: Kernel<1> = Kernel { even: [[0.5]], odd: [[-1.0]] };
 
 /// Keys' cubic convolution, `a = -1/2` (R. Keys, 1981): third order, exact on quadratics.
-pub(crate) const BICUBIC: Kernel<4, 4> =
-    Kernel { terms: [[0.0, 1.0, 0.0, 0.0], [-0.5, 0.0, 0.5, 0.0], [1.0, -2.5, 2.0, -0.5], [-0.5, 1.5, -1.5, 0.5]] };
+pub(crate) const BICUBIC: Kernel<2> =
+    Kernel { even: [[-1.0 / 16.0, 1.0 / 4.0], [9.0 / 16.0, -1.0 / 4.0]], odd: [[1.0 / 8.0, -1.0 / 2.0], [-11.0 / 8.0, 1.5]] };
 
 /// Cubic B-spline.
-pub(crate) const BSPLINE3: Kernel<4, 4> = Kernel {
-    terms: divided([[1.0, 4.0, 1.0, 0.0], [-3.0, 0.0, 3.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]], 6.0),
+pub(crate) const BSPLINE3: Kernel<2> = Kernel {
+    even: [[1.0 / 48.0, 1.0 / 4.0], [23.0 / 48.0, -1.0 / 4.0]],
+    odd: [[-1.0 / 8.0, -1.0 / 6.0], [-5.0 / 8.0, 1.0 / 2.0]],
 };
 
 /// Quintic B-spline.
-pub(crate) const BSPLINE5: Kernel<6, 6> = Kernel {
-    terms: divided(
-        [
-            [1.0, 26.0, 66.0, 26.0, 1.0, 0.0],
-            [-5.0, -50.0, 0.0, 50.0, 5.0, 0.0],
-            [10.0, 20.0, -60.0, 20.0, 10.0, 0.0],
-            [-10.0, 20.0, 0.0, -20.0, 10.0, 0.0],
-            [5.0, -20.0, 30.0, -20.0, 5.0, 0.0],
-            [-1.0, 5.0, -10.0, 10.0, -5.0, 1.0],
-        ],
-        120.0,
-    ),
+pub(crate) const BSPLINE5: Kernel<3> = Kernel {
+    even: [
+        [1.0 / 3840.0, 1.0 / 96.0, 1.0 / 48.0],
+        [79.0 / 1280.0, 7.0 / 32.0, -1.0 / 16.0],
+        [841.0 / 1920.0, -11.0 / 48.0, 1.0 / 24.0],
+    ],
+    odd: [
+        [-1.0 / 384.0, -1.0 / 48.0, -1.0 / 120.0],
+        [-25.0 / 128.0, -1.0 / 16.0, 1.0 / 24.0],
+        [-77.0 / 192.0, 7.0 / 24.0, -1.0 / 12.0],
+    ],
 };
 
-impl<const TAPS: usize, const TERMS: usize> Kernel<TAPS, TERMS> {
-    /// Weights of the taps at each fraction `t`.
-    #[inline]
-    pub(crate) fn weights(&self, t: &[f32], out: &mut [[f32; TAPS]]) {
-        for (&t, out) in t.iter().zip(out) {
-            let mut weights = self.terms[TERMS - 1];
-            for power in (0..TERMS - 1).rev() {
-                for tap in 0..TAPS {
-                    weights[tap] = weights[tap] * t + self.terms[power][tap];
+impl<const HALF: usize> Kernel<HALF> {
+    /// Weights of the taps at each distance `s` from the middle.
+    #[inline(always)]
+    pub(crate) fn weights<const FUSED: bool>(&self, s: &Lane, out: &mut [Lane]) {
+        for i in 0..HALF {
+            let (even, odd) = (&self.even[i], &self.odd[i]);
+            let (first, last) = pair(out, i, HALF);
+            for k in 0..BLOCK {
+                let square = s[k] * s[k];
+                let (mut e, mut o) = (even[HALF - 1], odd[HALF - 1]);
+                for p in (0..HALF - 1).rev() {
+                    e = fused::<FUSED>(e, square, even[p]);
+                    o = fused::<FUSED>(o, square, odd[p]);
                 }
+                first[k] = fused::<FUSED>(o, s[k], e);
+                last[k] = fused::<FUSED>(-o, s[k], e);
             }
-            *out = weights;
         }
     }
 
-    /// Derivatives of the weights with respect to `t`, at each fraction.
-    #[inline]
-    pub(crate) fn derivative_weights(&self, t: &[f32], out: &mut [[f32; TAPS]]) {
-        for (&t, out) in t.iter().zip(out) {
-            let mut weights = [0.0; TAPS];
-            for power in (1..TERMS).rev() {
-                for tap in 0..TAPS {
-                    weights[tap] = weights[tap] * t + power as f32 * self.terms[power][tap];
+    /// Derivatives of the weights, per pixel, at each distance from the middle.
+    #[inline(always)]
+    pub(crate) fn slopes<const FUSED: bool>(&self, s: &Lane, out: &mut [Lane]) {
+        for i in 0..HALF {
+            let (even, odd) = (&self.even[i], &self.odd[i]);
+            let (first, last) = pair(out, i, HALF);
+            for k in 0..BLOCK {
+                let square = s[k] * s[k];
+                let (mut e, mut o) = (0.0, 0.0);
+                for p in (0..HALF).rev() {
+                    e = fused::<FUSED>(e, square, 2.0 * (p + 1) as f32 * even.get(p + 1).copied().unwrap_or(0.0));
+                    o = fused::<FUSED>(o, square, (2 * p + 1) as f32 * odd[p]);
                 }
+                first[k] = fused::<FUSED>(e, s[k], o);
+                last[k] = fused::<FUSED>(e, s[k], -o);
             }
-            *out = weights;
         }
     }
 }
 
-const fn divided<const N: usize>(mut terms: [[f32; N]; N], divisor: f32) -> [[f32; N]; N] {
-    let mut power = 0;
-    while power < N {
-        let mut tap = 0;
-        while tap < N {
-            terms[power][tap] /= divisor;
-            tap += 1;
-        }
-        power += 1;
-    }
-    terms
+/// The lanes of tap `i` and of its mirror image.
+#[inline(always)]
+fn pair(lanes: &mut [Lane], i: usize, half: usize) -> (&mut Lane, &mut Lane) {
+    let (left, right) = lanes.split_at_mut(half);
+    (&mut left[i], &mut right[half - 1 - i])
 }
 
 #[cfg(test)]
@@ -98,16 +104,16 @@ mod tests {
     use super::*;
 
     /// Checks one kernel at one fraction; `reference(x)` is the kernel's textbook definition.
-    fn check<const TAPS: usize, const TERMS: usize>(kernel: &Kernel<TAPS, TERMS>, reference: fn(f64) -> f64, t: f32) {
-        let (mut weights, mut slopes) = ([[0.0; TAPS]], [[0.0; TAPS]]);
-        kernel.weights(&[t], &mut weights);
-        kernel.derivative_weights(&[t], &mut slopes);
-        let ([weights], [slopes]) = (weights, slopes);
+    fn check<const HALF: usize>(kernel: &Kernel<HALF>, reference: fn(f64) -> f64, t: f32) {
+        let (mut weights, mut slopes) = ([[0.0; BLOCK]; 6], [[0.0; BLOCK]; 6]);
+        kernel.weights::<false>(&[t - 0.5; BLOCK], &mut weights[..2 * HALF]);
+        kernel.slopes::<false>(&[t - 0.5; BLOCK], &mut slopes[..2 * HALF]);
+        let (weights, slopes) = (weights.map(|lane| lane[BLOCK - 1]), slopes.map(|lane| lane[BLOCK - 1]));
         assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?} do not sum to one");
         assert!(slopes.iter().sum::<f32>().abs() < 1e-5, "{slopes:?} do not sum to zero");
         let step = 1e-5;
-        for tap in 0..TAPS {
-            let distance = f64::from(t) - (tap as f64 + 1.0 - TAPS as f64 / 2.0);
+        for tap in 0..2 * HALF {
+            let distance = f64::from(t) - (tap as f64 + 1.0 - HALF as f64);
             let slope = (reference(distance + step) - reference(distance - step)) / (2.0 * step);
             assert!((f64::from(weights[tap]) - reference(distance)).abs() < 1e-6, "weight of tap {tap} at {t}");
             assert!((f64::from(slopes[tap]) - slope).abs() < 1e-4, "slope of tap {tap} at {t}");

@@ -16,7 +16,6 @@
 //! Preparation and filters run in the rayon pool of the caller. Results do not depend on the number of threads, to the
 //! last bit. Point evaluation is sequential: the caller decides how to cut its points.
 
-mod axis;
 mod coefficients;
 mod differences;
 mod error;
@@ -25,9 +24,13 @@ mod image;
 mod interpolation;
 mod interpolator;
 mod kernel;
+mod lanes;
 mod mirror;
+mod places;
 mod prefilter;
 mod pyramid;
+mod reading;
+mod stencil;
 mod symmetric_filter;
 mod view;
 

@@ -141,7 +141,7 @@ fn points_do_not_depend_on_their_neighbours() {
 }
 
 #[test]
-#[should_panic(expected = "one u, one v and one value for each point")]
+#[should_panic(expected = "one u, one v and one of each reading for each point")]
 fn lengths_must_agree() {
     let image = noise(8, 8);
     Interpolator::new(image.view(), Interpolation::Bilinear).values(&[1.0, 2.0], &[1.0, 2.0], &mut [0.0]);

@@ -1,0 +1,13 @@
+//! Points side by side: one number of each of the points of a block.
+
+/// Points per block: enough to amortise each step over a block, few enough for the level 1 cache.
+pub(crate) const BLOCK: usize = 32;
+
+/// One number per point of a block.
+pub(crate) type Lane = [f32; BLOCK];
+
+/// `a b + c`, with one rounding where the processor has an instruction for it.
+#[inline(always)]
+pub(crate) fn fused<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
+}

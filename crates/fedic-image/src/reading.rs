@@ -1,0 +1,169 @@
+//! Reading an image at many points: block by block, one step at a time over the whole block, with the best instructions that
+//! the processor has.
+
+use std::ops::Range;
+
+use pulp::Simd;
+
+use crate::coefficients::Coefficients;
+use crate::kernel::Kernel;
+use crate::lanes::{BLOCK, Lane};
+use crate::places::{Grid, Places};
+use crate::stencil::{Stencils, Summation};
+
+/// Points of an image.
+#[derive(Clone, Copy)]
+pub(crate) enum Points<'a> {
+    /// By their pixel coordinates.
+    Absolute(&'a [f64], &'a [f64]),
+    /// By their distances from a pixel.
+    Near([isize; 2], &'a [f32], &'a [f32]),
+}
+
+impl Points<'_> {
+    /// Number of points, if both coordinates have as many.
+    pub(crate) fn len(self) -> Option<usize> {
+        let (u, v) = match self {
+            Self::Absolute(u, v) => (u.len(), v.len()),
+            Self::Near(_, u, v) => (u.len(), v.len()),
+        };
+        (u == v).then_some(u)
+    }
+}
+
+/// Grey levels (`READINGS = 1`), or these and their derivatives along the columns and rows (3).
+pub(crate) fn read<const HALF: usize, const TAPS: usize, const READINGS: usize>(
+    coefficients: &Coefficients,
+    size: [usize; 2],
+    kernel: &Kernel<HALF>,
+    points: Points<'_>,
+    out: [&mut [f32]; READINGS],
+) {
+    let grid = Grid { width: size[0], height: size[1], stride: coefficients.stride(), half: HALF };
+    let data = coefficients.as_slice();
+    #[cfg(target_arch = "x86_64")]
+    if let Some(v3) = pulp::x86::V3::try_new() {
+        let reading = Reading::<_, HALF, TAPS, READINGS> { data, grid, kernel, points, out, summation: v3 };
+        return pulp::Simd::vectorize(v3, reading);
+    }
+    Reading::<_, HALF, TAPS, READINGS> { data, grid, kernel, points, out, summation: pulp::Scalar }.run();
+}
+
+struct Reading<'a, S, const HALF: usize, const TAPS: usize, const READINGS: usize> {
+    data: &'a [f32],
+    grid: Grid,
+    kernel: &'a Kernel<HALF>,
+    points: Points<'a>,
+    out: [&'a mut [f32]; READINGS],
+    summation: S,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> pulp::WithSimd
+    for Reading<'_, S, HALF, TAPS, READINGS>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<I: pulp::Simd>(self, _: I) {
+        self.run();
+    }
+}
+
+impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> Reading<'_, S, HALF, TAPS, READINGS> {
+    #[inline(always)]
+    fn run(mut self) {
+        let inside = self.all_inside();
+        let mut places = Places::new();
+        let mut weights = [[[0.0; BLOCK]; TAPS]; 4];
+        let mut readings = [[0.0; BLOCK]; READINGS];
+        for start in (0..self.out[0].len()).step_by(BLOCK) {
+            let block = start..self.out[0].len().min(start + BLOCK);
+            match self.points {
+                Points::Absolute(u, v) => places.locate(self.grid, &u[block.clone()], &v[block.clone()]),
+                Points::Near(origin, u, v) if inside => {
+                    places.locate_near(self.grid, origin, &padded(&u[block.clone()]), &padded(&v[block.clone()]));
+                }
+                Points::Near(origin, u, v) => {
+                    let (u, v) = (padded(&u[block.clone()]), padded(&v[block.clone()]));
+                    let (mut absolute_u, mut absolute_v) = ([0.0; BLOCK], [0.0; BLOCK]);
+                    for k in 0..BLOCK {
+                        absolute_u[k] = origin[0] as f64 + f64::from(u[k]);
+                        absolute_v[k] = origin[1] as f64 + f64::from(v[k]);
+                    }
+                    places.locate(self.grid, &absolute_u, &absolute_v);
+                }
+            }
+            self.read_block(&places, &mut weights, &mut readings);
+            for (out, reading) in self.out.iter_mut().zip(&readings) {
+                out[block.clone()].copy_from_slice(&reading[..block.len()]);
+            }
+        }
+    }
+
+    /// Reads the image at the points located at `places`.
+    #[inline(always)]
+    fn read_block(&self, places: &Places, weights: &mut [[Lane; TAPS]; 4], readings: &mut [Lane; READINGS]) {
+        let stencils = Stencils { data: self.data, stride: self.grid.stride, first: &places.first };
+        let [u, v] = &places.middle;
+        let [columns, rows, column_slopes, row_slopes] = weights;
+        weigh::<S, HALF>(self.kernel, u, columns);
+        weigh::<S, HALF>(self.kernel, v, rows);
+        if READINGS == 1 {
+            self.summation.sum(stencils, [&*rows], [(0, &*columns)], readings);
+        } else {
+            differentiate::<S, HALF>(self.kernel, u, column_slopes);
+            differentiate::<S, HALF>(self.kernel, v, row_slopes);
+            let pairs = [(0, &*columns), (0, &*column_slopes), (1, &*columns)];
+            self.summation.sum(stencils, [&*rows, &*row_slopes], pairs, readings);
+        }
+    }
+
+    /// Whether all points, given by their distances from a pixel, lie inside the image.
+    #[inline(always)]
+    fn all_inside(&self) -> bool {
+        let Points::Near(origin, u, v) = self.points else { return false };
+        let fits = |origin: isize, [low, high]: [f32; 2], size: usize| {
+            origin as f64 + f64::from(low) >= -0.5 && origin as f64 + f64::from(high) <= size as f64 - 0.5
+        };
+        fits(origin[0], extent(self.summation, u), self.grid.width) && fits(origin[1], extent(self.summation, v), self.grid.height)
+    }
+}
+
+/// Least and greatest of some numbers; NaN where one of them is not finite.
+#[inline(always)]
+fn extent<S: Simd>(simd: S, numbers: &[f32]) -> [f32; 2] {
+    let (vectors, rest) = S::as_simd_f32s(numbers);
+    let (mut low, mut high) = (simd.splat_f32s(f32::INFINITY), simd.splat_f32s(f32::NEG_INFINITY));
+    // A comparison may lose a NaN, a product with zero does not.
+    let mut zero = simd.splat_f32s(0.0);
+    for &vector in vectors {
+        low = simd.min_f32s(low, vector);
+        high = simd.max_f32s(high, vector);
+        zero = simd.mul_add_e_f32s(vector, simd.splat_f32s(0.0), zero);
+    }
+    let (mut low, mut high, mut zero) = (simd.reduce_min_f32s(low), simd.reduce_max_f32s(high), simd.reduce_sum_f32s(zero));
+    for &number in rest {
+        (low, high) = (low.min(number), high.max(number));
+        zero += 0.0 * number;
+    }
+    if zero == 0.0 { [low, high] } else { [f32::NAN; 2] }
+}
+
+/// The numbers of a block, the first of them repeated after the last.
+#[inline(always)]
+fn padded(numbers: &[f32]) -> Lane {
+    let mut lane = [numbers[0]; BLOCK];
+    lane[..numbers.len()].copy_from_slice(numbers);
+    lane
+}
+
+#[inline(always)]
+fn weigh<S: Summation, const HALF: usize>(kernel: &Kernel<HALF>, middle: &Lane, out: &mut [Lane]) {
+    if S::FUSED { kernel.weights::<true>(middle, out) } else { kernel.weights::<false>(middle, out) }
+}
+
+#[inline(always)]
+fn differentiate<S: Summation, const HALF: usize>(kernel: &Kernel<HALF>, middle: &Lane, out: &mut [Lane]) {
+    if S::FUSED { kernel.slopes::<true>(middle, out) } else { kernel.slopes::<false>(middle, out) }
+}
