@@ -1,7 +1,6 @@
 //! Reading an image at many points: block by block, one step at a time over the whole block, with the best instructions that
 //! the processor has.
 
-use std::ops::Range;
 
 use pulp::Simd;
 

@@ -40,7 +40,7 @@ impl FromStr for Rule {
 const TRIANGLE_POINTS_PER_PIXEL: f64 = 1.6;
 
 /// A reference domain cut into equal parts, one quadrature point in each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Subdivision {
     /// `n^2` homothetic sub-triangles and their centres.
     Triangle {

@@ -10,7 +10,7 @@ use crate::cell_quadrature::CellQuadrature;
 
 /// Points per batch.
 pub(crate) const BATCH: usize = 64;
-/// Sums run in this many lanes, in a fixed order.
+/// Arrays are filled up to a multiple of this many points.
 const LANES: usize = 4;
 
 /// One number per point of a batch.
@@ -20,15 +20,12 @@ pub(crate) type Lane = [f64; BATCH];
 pub(crate) struct Batch {
     len: usize,
     padded: usize,
-    num_nodes: usize,
     pub(crate) xi: Lane,
     pub(crate) eta: Lane,
     shape: [f64; MAX_NODES * BATCH],
     position: [Lane; 3],
     pub(crate) pixel: [Lane; 2],
     jacobian: [[Lane; 3]; 2],
-    pub(crate) grey: [f32; BATCH],
-    pub(crate) gradient: [[f32; BATCH]; 2],
 }
 
 impl Batch {
@@ -36,15 +33,12 @@ impl Batch {
         Box::new(Self {
             len: 0,
             padded: 0,
-            num_nodes: 0,
             xi: [0.0; BATCH],
             eta: [0.0; BATCH],
             shape: [0.0; MAX_NODES * BATCH],
             position: [[0.0; BATCH]; 3],
             pixel: [[0.0; BATCH]; 2],
             jacobian: [[[0.0; BATCH]; 3]; 2],
-            grey: [0.0; BATCH],
-            gradient: [[0.0; BATCH]; 2],
         })
     }
 
@@ -59,19 +53,9 @@ impl Batch {
     ) {
         self.len = len;
         self.padded = len.next_multiple_of(LANES);
-        self.num_nodes = cell_type.num_nodes();
         let n = self.padded;
         quadrature.coordinates(cell, first, &mut self.xi[..n], &mut self.eta[..n]);
         shape_values_batch(cell_type, &self.xi[..n], &self.eta[..n], &mut self.shape);
-    }
-
-    pub(crate) fn len(&self) -> usize {
-        self.len
-    }
-
-    /// Shape function of one node at the points, some meaningless entries included past the last one.
-    pub(crate) fn shape(&self, node: usize) -> &[f64] {
-        &self.shape[node * self.padded..(node + 1) * self.padded]
     }
 
     /// Interpolates the nodes' positions.
@@ -117,11 +101,10 @@ impl Batch {
         camera.project_with_jacobian_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n], &mut jacobian);
     }
 
-    /// Reads an image at the projected points: their grey levels and gradients, NaN outside the image.
-    pub(crate) fn read(&mut self, image: &Sampler) {
-        let n = self.len;
-        let ([u, v], [along_u, along_v]) = (&self.pixel, &mut self.gradient);
-        image.values_and_gradients(&u[..n], &v[..n], &mut self.grey[..n], [&mut along_u[..n], &mut along_v[..n]]);
+    /// Reads an image at the projected points: grey levels and gradients, NaN outside the image.
+    pub(crate) fn read(&self, image: &Sampler, value: &mut [f32], gradient: [&mut [f32]; 2]) {
+        let [u, v] = &self.pixel;
+        image.values_and_gradients(&u[..self.len], &v[..self.len], value, gradient);
     }
 
     /// Area in pixels, per area of the reference domain, of a cell whose map has the Jacobian `tangents` at point `k`.
@@ -136,31 +119,5 @@ impl Batch {
     #[inline]
     pub(crate) fn pull_back(&self, c: usize, k: usize, gradient: [f32; 2]) -> f64 {
         self.jacobian[0][c][k] * f64::from(gradient[0]) + self.jacobian[1][c][k] * f64::from(gradient[1])
-    }
-
-    /// Sums `weight * signal` of several signals over the points; signals must vanish past the last point.
-    #[inline]
-    pub(crate) fn sums<const S: usize>(&self, weight: &[f64], signals: &[Lane; S]) -> [f64; S] {
-        let mut lanes = [[0.0; LANES]; S];
-        for (block, weight) in weight.as_chunks::<LANES>().0.iter().enumerate() {
-            for s in 0..S {
-                let signal = &signals[s].as_chunks::<LANES>().0[block];
-                for lane in 0..LANES {
-                    lanes[s][lane] += weight[lane] * signal[lane];
-                }
-            }
-        }
-        lanes.map(|[a, b, c, d]| (a + c) + (b + d))
-    }
-
-    /// Sets the entries past the last point to zero.
-    pub(crate) fn clear_tail(&self, signals: &mut [Lane]) {
-        for signal in signals {
-            signal[self.len..self.padded].fill(0.0);
-        }
-    }
-
-    pub(crate) fn num_nodes(&self) -> usize {
-        self.num_nodes
     }
 }

@@ -3,14 +3,13 @@
 /// Standard deviations below this many grey levels count as no texture at all.
 pub(crate) const FLAT: f64 = 1e-3;
 
-/// Weighted moments of the two images over some quadrature points.
+/// Weighted moments of the two images over some quadrature points, their grey levels counted from a pivot near the mean.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Moments {
     pub(crate) weight: f64,
     pub(crate) f: f64,
-    pub(crate) g: f64,
     pub(crate) ff: f64,
-    pub(crate) fg: f64,
+    pub(crate) g: f64,
     pub(crate) gg: f64,
 }
 
@@ -23,25 +22,27 @@ pub(crate) struct Correction {
 
 impl Correction {
     pub(crate) const NONE: Self = Self { gain: 1.0, offset: 0.0 };
+
+    /// The same correction of grey levels that are not counted from a pivot.
+    pub(crate) fn without_pivot(self, pivot: f64) -> Self {
+        Self { gain: self.gain, offset: self.offset + pivot * (1.0 - self.gain) }
+    }
 }
 
 impl Moments {
-    #[inline]
     pub(crate) fn add_point(&mut self, weight: f64, f: f64, g: f64) {
         self.weight += weight;
         self.f += weight * f;
-        self.g += weight * g;
         self.ff += weight * f * f;
-        self.fg += weight * f * g;
+        self.g += weight * g;
         self.gg += weight * g * g;
     }
 
     pub(crate) fn add(&mut self, other: &Self) {
         self.weight += other.weight;
         self.f += other.f;
-        self.g += other.g;
         self.ff += other.ff;
-        self.fg += other.fg;
+        self.g += other.g;
         self.gg += other.gg;
     }
 
@@ -66,13 +67,6 @@ impl Moments {
         let gain = if std_f > FLAT && std_g > FLAT { std_f / std_g } else { 1.0 };
         Correction { gain, offset: (self.f - gain * self.g) / self.weight }
     }
-
-    /// `sum of w (f - gain g - offset)^2`.
-    pub(crate) fn squared_residual(&self, c: Correction) -> f64 {
-        let Correction { gain: a, offset: b } = c;
-        let sum = self.ff + a * a * self.gg + b * b * self.weight - 2.0 * (a * self.fg + b * self.f - a * b * self.g);
-        sum.max(0.0)
-    }
 }
 
 #[cfg(test)]
@@ -88,14 +82,15 @@ mod tests {
         }
         let c = moments.correction();
         let mut corrected = Moments::default();
-        let mut squares = 0.0;
         for (w, f, g) in points {
             let g = c.gain * g + c.offset;
             corrected.add_point(w, f, g);
-            squares += w * (f - g) * (f - g);
         }
         assert!((corrected.g - corrected.f).abs() < 1e-12 && (corrected.std_g() - corrected.std_f()).abs() < 1e-12);
-        assert!((moments.squared_residual(c) - squares).abs() < 1e-10);
+        let mut shifted = Moments::default();
+        points.iter().for_each(|&(w, f, g)| shifted.add_point(w, f - 7.0, g - 7.0));
+        let same = shifted.correction().without_pivot(7.0);
+        assert!((same.gain - c.gain).abs() < 1e-12 && (same.offset - c.offset).abs() < 1e-11);
     }
 
     #[test]

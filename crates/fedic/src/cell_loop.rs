@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::batch::Batch;
+use crate::work::Work;
 use crate::{Error, Monitor};
 
 /// Cells between two questions whether to stop; bounds the results kept at once.
@@ -10,24 +10,34 @@ const BLOCK: usize = 2048;
 /// Cells per task at the least.
 const GRAIN: usize = 8;
 
-/// Runs `work` on every cell in parallel and `gather` on its results one after the other, in the order of the cells: what
-/// is gathered does not depend on the number of threads.
-pub(crate) fn for_each_cell<T: Send>(
-    num_cells: usize,
+/// Runs `work` on every cell in parallel, each with an item of its own, and `gather` on its results one after the other, in the
+/// order of the cells: what is gathered does not depend on the number of threads.
+pub(crate) fn for_each_cell<I: Send, T: Send>(
+    items: impl IntoIterator<Item = I>,
     monitor: &dyn Monitor,
-    work: impl Fn(&mut Batch, usize) -> T + Sync,
+    work: impl Fn(&mut Work, usize, I) -> T + Sync,
     mut gather: impl FnMut(usize, T),
 ) -> Result<(), Error> {
-    let mut results = Vec::with_capacity(BLOCK.min(num_cells));
-    for start in (0..num_cells).step_by(BLOCK) {
-        (start..num_cells.min(start + BLOCK))
-            .into_par_iter()
-            .with_min_len(GRAIN)
-            .map_init(Batch::new, |batch, cell| (!monitor.cancelled()).then(|| work(batch, cell)))
-            .collect_into_vec(&mut results);
-        for (offset, result) in results.drain(..).enumerate() {
-            gather(start + offset, result.ok_or(Error::Cancelled)?);
+    let mut items = items.into_iter();
+    let mut results = Vec::new();
+    let mut first = 0;
+    loop {
+        let block: Vec<I> = items.by_ref().take(BLOCK).collect();
+        if block.is_empty() {
+            return Ok(());
         }
+        let count = block.len();
+        block
+            .into_par_iter()
+            .enumerate()
+            .with_min_len(GRAIN)
+            .map_init(Work::new, |scratch, (index, item)| {
+                (!monitor.cancelled()).then(|| work(scratch, first + index, item))
+            })
+            .collect_into_vec(&mut results);
+        for (index, result) in results.drain(..).enumerate() {
+            gather(first + index, result.ok_or(Error::Cancelled)?);
+        }
+        first += count;
     }
-    Ok(())
 }

@@ -4,6 +4,7 @@ use fedic_camera::Camera;
 use fedic_mesh::{Mesh, Subdivision, inverse_map, pixels_in_polygon};
 use rayon::prelude::*;
 
+use crate::point_table::{PointTable, SharedTables};
 use crate::{Error, Quadrature};
 
 /// Quadrature points of a mesh in the reference domains of its cells, numbered cell after cell.
@@ -11,6 +12,7 @@ use crate::{Error, Quadrature};
 pub(crate) struct CellQuadrature {
     points: Points,
     starts: Vec<usize>,
+    tables: SharedTables,
 }
 
 #[derive(Debug, Clone)]
@@ -46,7 +48,14 @@ impl CellQuadrature {
             *sum += count;
             Some(*sum)
         });
-        Ok(Self { points, starts: std::iter::once(0).chain(ends).collect() })
+        let tables = match &points {
+            Points::Subdivisions(subdivisions) => {
+                let types = mesh.cells().map(|cell| cell.cell_type);
+                SharedTables::new(&types.zip(subdivisions.iter().copied()).collect::<Vec<_>>())
+            }
+            Points::Stored(_) => SharedTables::none(mesh.num_cells()),
+        };
+        Ok(Self { points, starts: std::iter::once(0).chain(ends).collect(), tables })
     }
 
     /// Number of points of all cells.
@@ -71,6 +80,11 @@ impl CellQuadrature {
                 }
             }
         }
+    }
+
+    /// The table of a cell, where it shares one.
+    pub(crate) fn shared_table(&self, cell: usize) -> Option<&PointTable> {
+        self.tables.of(cell)
     }
 
     /// Weight of the points of a cell before the Jacobian of its map, or `None` where each weighs one pixel.

@@ -98,8 +98,11 @@ impl Correlator {
             points.extend(xi.iter().zip(&eta).map(|(&x, &y)| map(mesh.cell(cell).cell_type, &nodes, [x, y])));
             cells.extend(std::iter::repeat_n(cell, count));
         }
-        let weights = (0..mesh.num_cells()).flat_map(|cell| self.level.cell_points(cell));
-        (points, weights.map(|point| f64::from(point.weight)).collect(), cells)
+        let weights = (0..mesh.num_cells()).flat_map(|cell| {
+            let points = self.level.points.cell(cell);
+            (0..self.level.quadrature.range(cell).len()).map(move |k| points.weight(k))
+        });
+        (points, weights.collect(), cells)
     }
 
     /// Measures the displacement between the reference image and `deformed`.

@@ -1,5 +1,6 @@
 //! Gauss-Newton iterations on one level.
 
+use crate::expansion::NodeView;
 use crate::residual::{Evaluation, Evaluator};
 use crate::{COMPONENTS, Error, Hessian, Iteration, Monitor, Progress, SolveError, Stage};
 
@@ -32,10 +33,13 @@ impl Iterations {
         monitor: &dyn Monitor,
     ) -> Result<Outcome, Error> {
         let (system, level) = (evaluator.system, evaluator.level);
+        let mut brightness = evaluator.first_correction(&displacement, monitor)?;
         let mut iteration = 0;
         loop {
             iteration += 1;
-            let mut evaluation = evaluator.evaluate(&displacement, self.hessian == Hessian::Updated, monitor)?;
+            let with_hessian = self.hessian == Hessian::Updated;
+            let mut evaluation = evaluator.evaluate(&displacement, brightness, with_hessian, monitor)?;
+            brightness = evaluation.correction;
             let mut step = std::mem::take(&mut evaluation.right_hand_side);
             if let Some(penalty) = level.penalty {
                 let pull = system.laplacian().matrix.multiply(&system.pattern, displacement.as_flattened());
@@ -51,7 +55,7 @@ impl Iterations {
                 None => level.factor.solve(&mut step),
             }
             let step = step.as_chunks::<COMPONENTS>().0;
-            let corrections = self.corrections(evaluator, &displacement, step);
+            let corrections = corrections(&evaluation.views, step);
             let correction = corrections.iter().copied().fold(0.0, f64::max);
             if corrections.iter().any(|&c| self.is_too_large(c)) {
                 return Err(self.diverged(evaluator, iteration, &corrections));
@@ -83,27 +87,6 @@ impl Iterations {
         }
     }
 
-    /// Length in pixels of the correction of each node.
-    fn corrections(
-        &self,
-        evaluator: &Evaluator<'_>,
-        displacement: &[[f64; COMPONENTS]],
-        step: &[[f64; COMPONENTS]],
-    ) -> Vec<f64> {
-        let camera = evaluator.level.camera.as_ref();
-        let points = evaluator.system.mesh.points();
-        let nodes = points.iter().zip(displacement).zip(step);
-        nodes
-            .map(|((&point, u), step)| {
-                let mut place = point;
-                place.iter_mut().zip(u).for_each(|(x, u)| *x += u);
-                let (_, jacobian) = camera.project_with_jacobian(place);
-                let [du, dv] = jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
-                du.hypot(dv)
-            })
-            .collect()
-    }
-
     fn is_too_large(&self, correction: f64) -> bool {
         correction.is_nan() || correction > self.largest_correction
     }
@@ -114,4 +97,13 @@ impl Iterations {
         let correction = corrections.iter().copied().fold(0.0, |m: f64, c| if c.is_nan() { c } else { m.max(c) });
         SolveError::Diverged { iteration, nodes, correction }.into()
     }
+}
+
+/// Length in pixels of the correction of each node.
+fn corrections(views: &[NodeView], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
+    let length = |(view, step): (&NodeView, &[f64; COMPONENTS])| {
+        let [du, dv] = view.jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
+        du.hypot(dv)
+    };
+    views.iter().zip(step).map(length).collect()
 }

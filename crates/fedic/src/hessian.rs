@@ -1,77 +1,56 @@
 //! Hessian of one cell: `M = sum w (N^T q)(N^T q)^T` (paper, eq. 16).
 
 use crate::COMPONENTS;
-use crate::batch::{BATCH, Batch, Lane};
+use crate::point_table::Rows;
+use crate::simd::{PRODUCTS, hessian_sums};
 
-/// Entries of a symmetric `COMPONENTS x COMPONENTS` matrix.
-const PRODUCTS: usize = COMPONENTS * (COMPONENTS + 1) / 2;
-
-/// Dense Hessian of a cell, built up batch by batch; unknowns run over components first, then over nodes.
+/// Hessian of a cell, built up part by part; its unknowns run over components first, then over nodes.
 pub(crate) struct CellHessian {
-    size: usize,
-    entries: Vec<f64>,
+    num_nodes: usize,
+    /// Sums for the pairs of nodes `b <= a`, row after row: `w N_a N_b` times the products of components `j <= i` of `q`.
+    sums: Vec<[f64; PRODUCTS]>,
 }
 
 impl CellHessian {
     pub(crate) fn new(num_nodes: usize) -> Self {
-        let size = num_nodes * COMPONENTS;
-        Self { size, entries: vec![0.0; size * size] }
+        Self { num_nodes, sums: vec![[0.0; PRODUCTS]; num_nodes * (num_nodes + 1) / 2] }
     }
 
-    /// Adds the points of a batch: `weight * q` and `q`, by component.
-    pub(crate) fn add(&mut self, batch: &Batch, weighted: &[Lane; COMPONENTS], q: &[Lane; COMPONENTS]) {
-        let mut products = [[0.0; BATCH]; PRODUCTS];
-        let mut pair = 0;
-        for i in 0..COMPONENTS {
-            for j in 0..=i {
-                for k in 0..batch.len() {
-                    products[pair][k] = weighted[i][k] * q[j][k];
-                }
-                pair += 1;
-            }
-        }
-        let mut shapes = [0.0; BATCH];
-        for a in 0..batch.num_nodes() {
-            let shape_a = batch.shape(a);
-            for b in 0..=a {
-                let shape_b = batch.shape(b);
-                let shapes = &mut shapes[..shape_a.len()];
-                for k in 0..shapes.len() {
-                    shapes[k] = shape_a[k] * shape_b[k];
-                }
-                self.add_block(a, b, &batch.sums(shapes, &products));
-            }
-        }
+    /// Adds the points of some rows, as long as which are all others.
+    pub(crate) fn add(&mut self, rows: Rows<'_>, q: [&[f32]; COMPONENTS], weights: &[f32]) {
+        hessian_sums(rows, q, weights, &mut self.sums);
     }
 
-    fn add_block(&mut self, a: usize, b: usize, sums: &[f64; PRODUCTS]) {
-        let mut pair = 0;
-        for i in 0..COMPONENTS {
-            for j in 0..=i {
-                let mut add = |row: usize, column: usize| self.entries[row * self.size + column] += sums[pair];
-                let (ai, aj, bi, bj) = (a * COMPONENTS + i, a * COMPONENTS + j, b * COMPONENTS + i, b * COMPONENTS + j);
-                add(ai, bj);
-                if i != j {
-                    add(aj, bi);
-                }
-                if a != b {
-                    add(bj, ai);
-                    if i != j {
-                        add(bi, aj);
-                    }
-                }
-                pair += 1;
-            }
-        }
+    /// Multiplies by a weight that the points have in common.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.sums.iter_mut().flatten().for_each(|sum| *sum *= factor);
     }
 
     /// Rows of the dense matrix, one after the other.
-    pub(crate) fn entries(&self) -> &[f64] {
-        &self.entries
+    pub(crate) fn entries(&self) -> Vec<f64> {
+        let size = self.num_nodes * COMPONENTS;
+        let mut entries = vec![0.0; size * size];
+        let mut pairs = self.sums.iter();
+        for a in 0..self.num_nodes {
+            for (b, sums) in (0..=a).zip(&mut pairs) {
+                let mut product = 0;
+                for i in 0..COMPONENTS {
+                    for j in 0..=i {
+                        for (i, j) in [(i, j), (j, i)] {
+                            let (row, column) = (a * COMPONENTS + i, b * COMPONENTS + j);
+                            entries[row * size + column] = sums[product];
+                            entries[column * size + row] = sums[product];
+                        }
+                        product += 1;
+                    }
+                }
+            }
+        }
+        entries
     }
 
     /// Sum of the diagonal.
     pub(crate) fn trace(&self) -> f64 {
-        self.entries.iter().step_by(self.size + 1).sum()
+        (0..self.num_nodes).map(|a| self.sums[a * (a + 1) / 2 + a]).map(|[xx, _, yy]| xx + yy).sum()
     }
 }

@@ -3,40 +3,34 @@
 use std::sync::Arc;
 
 use fedic_camera::Camera;
-use fedic_mesh::{CellType, Mesh, jacobian};
+use fedic_mesh::Mesh;
 use fedic_sparse::{Factor, SymmetricMatrix};
 
-use crate::batch::{BATCH, Batch};
 use crate::brightness::{FLAT, Moments};
 use crate::cell_loop::for_each_cell;
 use crate::cell_quadrature::CellQuadrature;
-use crate::hessian::CellHessian;
+use crate::cell_view::node_views;
+use crate::points::Points;
+use crate::reference::{ReferenceReader, typical_level, weighing};
 use crate::regularization::penalty_factor;
 use crate::system::System;
-use crate::{COMPONENTS, Error, Monitor, Quadrature, Sampler, SolveError};
+use crate::{Error, Monitor, Quadrature, Sampler, SolveError};
 
 /// Gradients below this fraction of those of the best cells count as none.
 const FLAT_GRADIENT: f64 = 1e-3;
-
-/// What is kept of the reference image at a quadrature point.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Point {
-    /// `f(P(X))`.
-    pub(crate) value: f32,
-    /// `grad f(P(X))`, per pixel along `u` and `v`.
-    pub(crate) gradient: [f32; 2],
-    /// Area the point stands for: in the mesh's unit squared, or one pixel.
-    pub(crate) weight: f32,
-}
-
-/// What is kept per point, the place of a pixel in its cell included, stays small beside the images.
-const _: () = assert!(size_of::<Point>() + size_of::<[f32; 2]>() <= 24);
 
 /// A level of the pyramid; level 0 is the image as it is.
 pub(crate) struct Level {
     pub(crate) camera: Arc<dyn Camera>,
     pub(crate) quadrature: CellQuadrature,
-    points: Vec<Point>,
+    pub(crate) points: Points,
+    /// Grey level from which moments are counted.
+    pub(crate) pivot: f32,
+    /// Moments of the reference image over each cell.
+    pub(crate) moments: Vec<Moments>,
+    /// Right-hand sides, but for a sign, of a gain and of an offset of the reference image, counted from the pivot:
+    /// `sum w N^T q f` and `sum w N^T q`.
+    pub(crate) brightness: [Vec<f64>; 2],
     /// Factor of the Hessian at the reference position, the penalty included.
     pub(crate) factor: Factor,
     /// Factor of the Laplacian in the system, where the displacement is smoothed.
@@ -73,26 +67,42 @@ impl Level {
         }
         let quadrature = CellQuadrature::new(mesh, camera.as_ref(), settings.quadrature)?;
         let num_points = quadrature.num_points();
-        let mut points = Vec::new();
-        points.try_reserve_exact(num_points).map_err(|_| SolveError::TooManyPoints { points: num_points })?;
+        let (scales, varying) = weighing(mesh, &quadrature, !settings.whole_mesh);
+        let mut points = Points::zeros(&quadrature, scales.clone(), varying)
+            .ok_or(SolveError::TooManyPoints { points: num_points })?;
+        let views = node_views(mesh, camera.as_ref(), None);
+        let reader = ReferenceReader {
+            mesh,
+            camera: camera.as_ref(),
+            quadrature: &quadrature,
+            image: reference,
+            views: &views,
+            pivot: typical_level(reference, &views),
+        };
         let mut hessian = SymmetricMatrix::zeros(&system.pattern);
         let mut energies = Vec::with_capacity(mesh.num_cells());
+        let mut cell_moments = Vec::with_capacity(mesh.num_cells());
         let mut moments = Moments::default();
         let mut outside = Vec::new();
+        let mut brightness = [(); 2].map(|()| vec![0.0; system.pattern.num_dofs()]);
         for_each_cell(
-            mesh.num_cells(),
+            points.cells_mut().zip(scales),
             monitor,
-            |batch, cell| read_cell(batch, system, camera.as_ref(), &quadrature, reference, cell),
+            |work, cell, (rows, scale)| reader.read_cell(work, cell, rows, scale),
             |cell, read| {
-                points.extend_from_slice(&read.points);
-                hessian.add_cell(&system.pattern, cell, read.hessian.entries());
+                hessian.add_cell(&system.pattern, cell, &read.hessian.entries());
+                for (vector, sums) in brightness.iter_mut().zip(&read.brightness) {
+                    system.add_to_nodes(cell, sums, vector);
+                }
                 energies.push((read.hessian.trace(), read.moments.weight));
                 moments.add(&read.moments);
+                cell_moments.push(read.moments);
                 if read.outside {
                     outside.push(cell);
                 }
             },
         )?;
+        let pivot = reader.pivot;
         if settings.whole_mesh && !outside.is_empty() {
             return Err(refuse(outside));
         }
@@ -110,17 +120,12 @@ impl Level {
             factor
         });
         let factor = system.factorize(&hessian, &quadrature)?;
-        Ok(Self { camera, quadrature, points, factor, penalty })
-    }
-
-    /// Points of one cell.
-    pub(crate) fn cell_points(&self, cell: usize) -> &[Point] {
-        &self.points[self.quadrature.range(cell)]
+        Ok(Self { camera, quadrature, points, pivot, moments: cell_moments, brightness, factor, penalty })
     }
 
     /// Number of quadrature points.
     pub(crate) fn num_points(&self) -> usize {
-        self.points.len()
+        self.quadrature.num_points()
     }
 }
 
@@ -143,70 +148,4 @@ fn cells_outside(mesh: &Mesh, camera: &dyn Camera, size: [usize; 2]) -> Vec<usiz
     };
     let inside: Vec<bool> = mesh.points().iter().map(inside).collect();
     (0..mesh.num_cells()).filter(|&cell| mesh.cell(cell).nodes.iter().any(|&node| !inside[node as usize])).collect()
-}
-
-struct CellReading {
-    points: Vec<Point>,
-    hessian: CellHessian,
-    moments: Moments,
-    outside: bool,
-}
-
-fn read_cell(
-    batch: &mut Batch,
-    system: &System,
-    camera: &dyn Camera,
-    quadrature: &CellQuadrature,
-    reference: &Sampler,
-    cell: usize,
-) -> CellReading {
-    let cell_type = system.mesh.cell(cell).cell_type;
-    let nodes = system.mesh.cell_points(cell);
-    let count = quadrature.range(cell).len();
-    let mut reading = CellReading {
-        points: Vec::with_capacity(count),
-        hessian: CellHessian::new(nodes.len()),
-        moments: Moments::default(),
-        outside: false,
-    };
-    let mut q = [[0.0; BATCH]; COMPONENTS];
-    let mut weighted = [[0.0; BATCH]; COMPONENTS];
-    for first in (0..count).step_by(BATCH) {
-        let len = BATCH.min(count - first);
-        batch.take(quadrature, cell, cell_type, first, len);
-        batch.project_with_jacobian(camera, &nodes);
-        batch.read(reference);
-        for k in 0..len {
-            let value = batch.grey[k];
-            let seen = !value.is_nan();
-            reading.outside |= !seen;
-            let point = if seen {
-                let weight = match quadrature.part_area(cell) {
-                    Some(area) => area * surface_element(cell_type, &nodes, [batch.xi[k], batch.eta[k]]),
-                    None => 1.0,
-                };
-                Point { value, gradient: [batch.gradient[0][k], batch.gradient[1][k]], weight: weight as f32 }
-            } else {
-                Point::default()
-            };
-            let weight = f64::from(point.weight);
-            reading.moments.add_point(weight, f64::from(point.value), 0.0);
-            for c in 0..COMPONENTS {
-                q[c][k] = if seen { batch.pull_back(c, k, point.gradient) } else { 0.0 };
-                weighted[c][k] = weight * q[c][k];
-            }
-            reading.points.push(point);
-        }
-        batch.clear_tail(&mut q);
-        batch.clear_tail(&mut weighted);
-        reading.hessian.add(batch, &weighted, &q);
-    }
-    reading
-}
-
-/// Area of the cell per area of its reference domain at a point.
-fn surface_element(cell_type: CellType, nodes: &[[f64; 3]], at: [f64; 2]) -> f64 {
-    let [[xx, xy], [yx, yy], [zx, zy]] = jacobian(cell_type, nodes, at);
-    let normal = [yx * zy - yy * zx, zx * xy - zy * xx, xx * yy - xy * yx];
-    normal.iter().map(|c| c * c).sum::<f64>().sqrt()
 }

@@ -4,17 +4,21 @@ use fedic_image::Interpolator;
 use fedic_mesh::MAX_NODES;
 use fedic_sparse::SymmetricMatrix;
 
-use crate::batch::{BATCH, Batch};
 use crate::brightness::{Correction, FLAT, Moments};
 use crate::cell_loop::for_each_cell;
+use crate::cell_view::{CellView, node_views};
+use crate::expansion::NodeView;
 use crate::hessian::CellHessian;
 use crate::level::Level;
+use crate::point_table::PART;
+use crate::points::CellPoints;
+use crate::simd::{IDENTITY, Readings, moments, positions, pull_back, residual_sums};
 use crate::system::System;
+use crate::work::{OwnTable, Work};
 use crate::{Brightness, COMPONENTS, Error, Monitor};
 
-/// The correction of brightness is known only after the pass over all points, and the right-hand side is linear in it:
-/// `sum w N q (f - gain g - offset)` is put together from the sums with `f`, `g` and `1`.
-const SIGNALS: usize = 3 * COMPONENTS;
+/// About how many cells tell the brightness before the first pass.
+const SAMPLE: usize = 256;
 
 /// State of the correlation at a displacement.
 #[derive(Debug, Clone)]
@@ -29,8 +33,10 @@ pub(crate) struct Evaluation {
     pub(crate) cell_residuals: Vec<f64>,
     /// Cells with points outside the deformed image.
     pub(crate) outside_cells: Vec<usize>,
-    /// Correction of the deformed image over the mesh; each cell's own where brightness is matched by element.
+    /// Correction of the deformed image over the mesh, its grey levels counted from the pivot; none where each cell has its own.
     pub(crate) correction: Correction,
+    /// The displaced nodes.
+    pub(crate) views: Vec<NodeView>,
 }
 
 /// What varies between evaluations.
@@ -43,145 +49,242 @@ pub(crate) struct Evaluator<'a> {
 }
 
 impl Evaluator<'_> {
+    /// Evaluates the residual. The correction of brightness over the whole mesh is known only when all points are read:
+    /// `guess` serves for the reading, and the right-hand side follows what is then found to first order.
     pub(crate) fn evaluate(
         &self,
         displacement: &[[f64; COMPONENTS]],
+        guess: Correction,
         with_hessian: bool,
         monitor: &dyn Monitor,
     ) -> Result<Evaluation, Error> {
         let pattern = &self.system.pattern;
         let num_cells = self.system.mesh.num_cells();
-        let mut sums = vec![[0.0; SIGNALS]; pattern.num_nodes()];
+        let views = node_views(&self.system.mesh, self.level.camera.as_ref(), Some(displacement));
+        let mut right_hand_side = vec![0.0; pattern.num_dofs()];
         let mut hessian = with_hessian.then(|| SymmetricMatrix::zeros(pattern));
-        let mut cell_moments = Vec::with_capacity(num_cells);
+        let mut cell_residuals = Vec::with_capacity(num_cells);
         let mut outside_cells = Vec::new();
+        let (mut moments, mut squares) = (Moments::default(), 0.0);
         for_each_cell(
-            num_cells,
+            0..num_cells,
             monitor,
-            |batch, cell| self.evaluate_cell(batch, cell, displacement, with_hessian),
-            |cell, mut result| {
-                if self.brightness == Brightness::Element {
-                    result.correct(result.moments.correction());
-                }
-                for (&node, cell_sums) in pattern.cell(cell).iter().zip(&result.sums) {
-                    for (sum, cell_sum) in sums[node as usize].iter_mut().zip(cell_sums) {
-                        *sum += cell_sum;
-                    }
-                }
+            |work, cell, _| self.evaluate_cell(work, cell, &views, guess, with_hessian),
+            |cell, result| {
+                self.system.add_to_nodes(cell, &result.sums, &mut right_hand_side);
                 if let (Some(matrix), Some(cell_hessian)) = (&mut hessian, &result.hessian) {
-                    matrix.add_cell(pattern, cell, cell_hessian.entries());
+                    matrix.add_cell(pattern, cell, &cell_hessian.entries());
                 }
-                cell_moments.push(result.moments);
+                moments.add(&result.moments);
+                squares += result.squares;
+                cell_residuals.push((result.squares / result.moments.weight).sqrt());
                 if result.outside {
                     outside_cells.push(cell);
                 }
             },
         )?;
-
-        let mut moments = Moments::default();
-        cell_moments.iter().for_each(|cell| moments.add(cell));
         let std = moments.std_g();
         if std.is_nan() || std <= FLAT {
             return Err(Error::Flat { which: "deformed", std });
         }
-        let correction = match self.brightness {
-            Brightness::Global => moments.correction(),
-            Brightness::None | Brightness::Element => Correction::NONE,
-        };
-        let cell_correction = |cell: &Moments| match self.brightness {
-            Brightness::Element => cell.correction(),
-            Brightness::None | Brightness::Global => correction,
-        };
-        let squared: Vec<f64> = cell_moments.iter().map(|cell| cell.squared_residual(cell_correction(cell))).collect();
+        let correction = self.correction(&moments);
+        self.follow(guess, correction, &mut right_hand_side);
         Ok(Evaluation {
-            right_hand_side: sums.iter().flat_map(|sums| combine(sums, correction)).collect(),
+            right_hand_side,
             hessian,
-            residual_std: (squared.iter().sum::<f64>() / moments.weight).sqrt(),
-            cell_residuals: squared.iter().zip(&cell_moments).map(|(s, cell)| (s / cell.weight).sqrt()).collect(),
+            residual_std: (squares / moments.weight).sqrt(),
+            cell_residuals,
             outside_cells,
             correction,
+            views,
         })
     }
 
-    /// Reads the deformed image at the points `first..first + len` of a cell; the batch then holds their grey levels.
-    fn read_batch(&self, batch: &mut Batch, cell: usize, first: usize, len: usize, nodes: &[[f64; 3]]) {
-        batch.take(&self.level.quadrature, cell, self.system.mesh.cell(cell).cell_type, first, len);
-        batch.project_with_jacobian(self.level.camera.as_ref(), nodes);
-        let [u, v] = &batch.pixel;
-        self.deformed.values(&u[..len], &v[..len], &mut batch.grey[..len]);
+    /// The correction over the mesh as some of its cells tell it, to begin with.
+    pub(crate) fn first_correction(
+        &self,
+        displacement: &[[f64; COMPONENTS]],
+        monitor: &dyn Monitor,
+    ) -> Result<Correction, Error> {
+        if self.brightness != Brightness::Global {
+            return Ok(Correction::NONE);
+        }
+        let mesh = &self.system.mesh;
+        let views = node_views(mesh, self.level.camera.as_ref(), Some(displacement));
+        let mut moments = Moments::default();
+        for_each_cell(
+            (0..mesh.num_cells()).step_by(mesh.num_cells().div_ceil(SAMPLE)),
+            monitor,
+            |work, _, cell| {
+                let view = CellView::new(mesh, cell, &views, self.level.camera.as_ref());
+                let points = self.level.points.cell(cell);
+                self.read_cell(work, cell, &view, points).moments
+            },
+            |_, cell| moments.add(&cell),
+        )?;
+        Ok(self.correction(&moments))
+    }
+
+    fn correction(&self, moments: &Moments) -> Correction {
+        match self.brightness {
+            Brightness::Global => moments.correction(),
+            Brightness::None | Brightness::Element => Correction::NONE,
+        }
+    }
+
+    /// Brings a right-hand side from one correction to another. It is linear in the gain, by the deformed image, and the
+    /// offset; the deformed image is nearly the reference image as the first correction sees it.
+    fn follow(&self, from: Correction, to: Correction, right_hand_side: &mut [f64]) {
+        let gain = (to.gain - from.gain) / from.gain;
+        let offset = to.offset - from.offset - gain * from.offset;
+        let [image, one] = &self.level.brightness;
+        for ((b, image), one) in right_hand_side.iter_mut().zip(image).zip(one) {
+            *b -= gain * image + offset * one;
+        }
+    }
+
+    /// Reads the deformed image at the points of a cell: their grey levels are in `work.grey`. Where points lie outside, their
+    /// weights, in `work.weights`, vanish. Where the cell has no expansion, `work.q` holds the gradients pulled back.
+    fn read_cell(&self, work: &mut Work, cell: usize, view: &CellView, points: CellPoints<'_>) -> CellReading {
+        let level = self.level;
+        let (cell_type, count) = (self.system.mesh.cell(cell).cell_type, level.quadrature.range(cell).len());
+        work.resize(count);
+        let (grey, q) = (&mut work.grey, &mut work.q);
+        if let Some(expansion) = &view.expansion {
+            for first in (0..count).step_by(PART) {
+                let part = first..count.min(first + PART);
+                let rows = work.own_table.rows(&level.quadrature, cell, cell_type, first);
+                let [u, v] = work.pixel.each_mut().map(|row| &mut row[..rows.padded()]);
+                positions(rows, expansion, u, v);
+                self.deformed.values_near(expansion.origin, &u[..part.len()], &v[..part.len()], &mut grey[part]);
+            }
+        } else {
+            let camera = level.camera.as_ref();
+            view.for_each_batch(&mut work.batch, &level.quadrature, cell, camera, |batch, part| {
+                let [u, v] = &batch.pixel;
+                self.deformed.values(&u[..part.len()], &v[..part.len()], &mut grey[part.clone()]);
+                for (k, point) in part.enumerate() {
+                    for (c, q) in q.iter_mut().enumerate() {
+                        q[point] = batch.pull_back(c, k, points.gradient.map(|along| along[point])) as f32;
+                    }
+                }
+            });
+        }
+        let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, points.weights);
+        if !g.is_nan() {
+            let moments = Moments { g: points.scale * g, gg: points.scale * gg, ..level.moments[cell] };
+            return CellReading { moments, outside: false };
+        }
+        let mut weight = 0.0;
+        for k in 0..count {
+            let seen = !work.grey[k].is_nan();
+            work.weights[k] = if seen { points.weights.map_or(1.0, |weights| weights[k]) } else { 0.0 };
+            weight += f64::from(work.weights[k]);
+            if !seen {
+                work.grey[k] = 0.0;
+                work.q.iter_mut().for_each(|q| q[k] = 0.0);
+            }
+        }
+        let weights = Some(work.weights.as_slice());
+        let [f, ff] = self.moments(&mut work.own_table, cell, points.value, weights);
+        let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, weights);
+        let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| points.scale * sum);
+        CellReading { moments: Moments { weight, f, ff, g, gg }, outside: true }
+    }
+
+    /// Weighted sum and sum of squares of grey levels, counted from the pivot, at the points of a cell.
+    fn moments(&self, own: &mut OwnTable, cell: usize, grey: &[f32], weights: Option<&[f32]>) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for first in (0..grey.len()).step_by(PART) {
+            let rows = own.rows(&self.level.quadrature, cell, self.system.mesh.cell(cell).cell_type, first);
+            let part = first..first + rows.padded();
+            let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
+            let part_sums = moments(&grey[part], weights, self.level.pivot);
+            sums.iter_mut().zip(part_sums).for_each(|(sum, part)| *sum += part);
+        }
+        sums
     }
 
     fn evaluate_cell(
         &self,
-        batch: &mut Batch,
+        work: &mut Work,
         cell: usize,
-        displacement: &[[f64; COMPONENTS]],
+        views: &[NodeView],
+        correction: Correction,
         with_hessian: bool,
     ) -> CellResult {
-        let (nodes, num_nodes) = self.system.displaced(cell, displacement);
-        let points = self.level.cell_points(cell);
-        let mut result = CellResult {
-            sums: [[0.0; SIGNALS]; MAX_NODES],
-            moments: Moments::default(),
-            hessian: with_hessian.then(|| CellHessian::new(num_nodes)),
-            outside: false,
+        let (mesh, level) = (&self.system.mesh, self.level);
+        let cell_type = mesh.cell(cell).cell_type;
+        let view = CellView::new(mesh, cell, views, level.camera.as_ref());
+        let points = level.points.cell(cell);
+        let CellReading { moments, outside } = self.read_cell(work, cell, &view, points);
+        let correction = match self.brightness {
+            Brightness::Element => moments.correction(),
+            Brightness::None | Brightness::Global => correction,
         };
-        let mut q = [[0.0; BATCH]; COMPONENTS];
-        let mut signals = [[0.0; BATCH]; SIGNALS];
-        for first in (0..points.len()).step_by(BATCH) {
-            let len = BATCH.min(points.len() - first);
-            self.read_batch(batch, cell, first, len, &nodes[..num_nodes]);
-            for (k, point) in points[first..first + len].iter().enumerate() {
-                let seen = !batch.grey[k].is_nan();
-                result.outside |= !seen;
-                let (g, weight) = if seen { (f64::from(batch.grey[k]), f64::from(point.weight)) } else { (0.0, 0.0) };
-                let f = f64::from(point.value);
-                result.moments.add_point(weight, f, g);
-                for c in 0..COMPONENTS {
-                    q[c][k] = if seen { batch.pull_back(c, k, point.gradient) } else { 0.0 };
-                    let weighted = weight * q[c][k];
-                    signals[c][k] = weighted * f;
-                    signals[COMPONENTS + c][k] = weighted * g;
-                    signals[2 * COMPONENTS + c][k] = weighted;
-                }
-            }
-            batch.clear_tail(&mut signals);
-            for (a, sums) in result.sums[..num_nodes].iter_mut().enumerate() {
-                for (sum, part) in sums.iter_mut().zip(batch.sums(batch.shape(a), &signals)) {
-                    *sum += part;
-                }
-            }
+        let Correction { gain, offset } = correction.without_pivot(f64::from(level.pivot));
+        let mut result = CellResult {
+            sums: [[0.0; COMPONENTS]; MAX_NODES],
+            squares: 0.0,
+            moments,
+            hessian: with_hessian.then(|| CellHessian::new(cell_type.num_nodes())),
+            outside,
+        };
+        let Work { own_table, grey, q, weights, .. } = work;
+        let weights = if outside { Some(weights.as_slice()) } else { points.weights };
+        for first in (0..grey.len()).step_by(PART) {
+            let rows = own_table.rows(&level.quadrature, cell, cell_type, first);
+            let part = first..first + rows.padded();
+            let [x, y] = q.each_mut().map(|q| &mut q[part.clone()]);
+            let gradient = points.gradient.map(|along| &along[part.clone()]);
+            let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
+            let readings = Readings {
+                reference: &points.value[part.clone()],
+                gradient: if view.expansion.is_some() { gradient } else { [&*x, &*y] },
+                deformed: &grey[part],
+                weights,
+                jacobian: view.expansion.as_ref().map_or(&IDENTITY, |expansion| &expansion.jacobian),
+                correction: [gain as f32, offset as f32],
+            };
+            let (sums, squares) = residual_sums(rows, readings);
+            result.squares += squares;
+            result.sums.as_flattened_mut().iter_mut().zip(sums.as_flattened()).for_each(|(sum, part)| *sum += part);
             if let Some(hessian) = &mut result.hessian {
-                batch.clear_tail(&mut q);
-                let weighted = std::array::from_fn(|c| signals[2 * COMPONENTS + c]);
-                hessian.add(batch, &weighted, &q);
+                if let Some(expansion) = &view.expansion {
+                    x.copy_from_slice(gradient[0]);
+                    y.copy_from_slice(gradient[1]);
+                    pull_back(rows, &expansion.jacobian, [&mut *x, &mut *y]);
+                }
+                hessian.add(rows, [x, y], weights);
             }
         }
+        result.scale(points.scale);
         result
     }
 }
 
+struct CellReading {
+    moments: Moments,
+    outside: bool,
+}
+
 struct CellResult {
-    /// Sums of `w N q f`, `w N q g`, `w N q`, by node.
-    sums: [[f64; SIGNALS]; MAX_NODES],
+    /// Sums of `w N q r`, by node.
+    sums: [[f64; COMPONENTS]; MAX_NODES],
+    /// Sum of `w r^2`.
+    squares: f64,
     moments: Moments,
     hessian: Option<CellHessian>,
     outside: bool,
 }
 
 impl CellResult {
-    /// Replaces the sums by those of the corrected residual, in the place of `w N q f`.
-    fn correct(&mut self, correction: Correction) {
-        for sums in &mut self.sums {
-            let residual = combine(sums, correction);
-            *sums = [0.0; SIGNALS];
-            sums[..COMPONENTS].copy_from_slice(&residual);
+    /// Multiplies the sums by what multiplies the weights.
+    fn scale(&mut self, scale: f64) {
+        self.sums.as_flattened_mut().iter_mut().for_each(|sum| *sum *= scale);
+        self.squares *= scale;
+        if let Some(hessian) = &mut self.hessian {
+            hessian.scale(scale);
         }
     }
-}
-
-/// `f - gain g - offset`, summed.
-fn combine(sums: &[f64; SIGNALS], correction: Correction) -> [f64; COMPONENTS] {
-    let Correction { gain, offset } = correction;
-    std::array::from_fn(|c| sums[c] - gain * sums[COMPONENTS + c] - offset * sums[2 * COMPONENTS + c])
 }

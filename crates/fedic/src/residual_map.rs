@@ -6,6 +6,7 @@ use crate::batch::BATCH;
 use crate::brightness::Moments;
 use crate::cell_loop::for_each_cell;
 use crate::cell_quadrature::CellQuadrature;
+use crate::cell_view::node_views;
 use crate::residual::Evaluator;
 use crate::{Brightness, COMPONENTS, Error, Monitor, Quadrature};
 
@@ -17,28 +18,33 @@ pub(crate) fn residual_map(
     monitor: &dyn Monitor,
 ) -> Result<Vec<f32>, Error> {
     let (system, camera) = (evaluator.system, evaluator.level.camera.as_ref());
-    let over_mesh = evaluator.evaluate(displacement, false, monitor)?.correction;
+    let first = evaluator.first_correction(displacement, monitor)?;
+    let over_mesh = evaluator.evaluate(displacement, first, false, monitor)?.correction;
+    let over_mesh = over_mesh.without_pivot(f64::from(evaluator.level.pivot));
+    let views = node_views(&system.mesh, camera, Some(displacement));
     let pixels = CellQuadrature::new(&system.mesh, camera, Quadrature::Pixel)?;
     let (width, height) = (reference.width(), reference.height());
     let mut map = vec![f32::NAN; width * height];
     for_each_cell(
-        system.mesh.num_cells(),
+        0..system.mesh.num_cells(),
         monitor,
-        |batch, cell| {
+        |work, cell, _| {
             let cell_type = system.mesh.cell(cell).cell_type;
             let rest = system.mesh.cell_points(cell);
-            let (displaced, num_nodes) = system.displaced(cell, displacement);
+            let displaced: Vec<[f64; 3]> =
+                system.mesh.cell(cell).nodes.iter().map(|&node| views[node as usize].place).collect();
+            let batch = &mut work.batch;
             let count = pixels.range(cell).len();
             let mut readings = Vec::with_capacity(count);
-            let mut f = [0.0; BATCH];
+            let (mut f, mut grey) = ([0.0; BATCH], [0.0; BATCH]);
             for first in (0..count).step_by(BATCH) {
                 let len = BATCH.min(count - first);
                 batch.take(&pixels, cell, cell_type, first, len);
                 batch.project(camera, &rest);
                 reference.values(&batch.pixel[0][..len], &batch.pixel[1][..len], &mut f[..len]);
                 let places = batch.pixel.map(|lane| lane.map(|c| c.round().max(0.0) as usize));
-                batch.project(camera, &displaced[..num_nodes]);
-                let ([u, v], grey) = (&batch.pixel, &mut batch.grey);
+                batch.project(camera, &displaced);
+                let [u, v] = &batch.pixel;
                 evaluator.deformed.values(&u[..len], &v[..len], &mut grey[..len]);
                 readings.extend((0..len).map(|k| ([places[0][k], places[1][k]], f64::from(f[k]), f64::from(grey[k]))));
             }

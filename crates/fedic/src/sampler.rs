@@ -65,6 +65,26 @@ impl Sampler {
             }
         }
     }
+
+    /// Grey levels and gradients at points given by their distances from the pixel `origin`.
+    pub(crate) fn values_and_gradients_near(
+        &self,
+        origin: [isize; 2],
+        u: &[f32],
+        v: &[f32],
+        value: &mut [f32],
+        gradient: [&mut [f32]; 2],
+    ) {
+        let [along_u, along_v] = gradient;
+        match &self.differences {
+            None => self.value.values_and_gradients_near(origin, u, v, value, along_u, along_v),
+            Some([differences_u, differences_v]) => {
+                self.value.values_near(origin, u, v, value);
+                differences_u.values_near(origin, u, v, along_u);
+                differences_v.values_near(origin, u, v, along_v);
+            }
+        }
+    }
 }
 
 /// The interpolant of an image of which only values are read.

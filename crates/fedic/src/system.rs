@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use fedic_mesh::{MAX_NODES, Mesh};
+use fedic_mesh::Mesh;
 use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SymmetricMatrix};
 
 use crate::cell_quadrature::CellQuadrature;
@@ -34,17 +34,12 @@ impl System {
         self.laplacian.get_or_init(|| Laplacian::new(&self.mesh, &self.pattern))
     }
 
-    /// Nodes of a cell displaced by `displacement`.
-    pub(crate) fn displaced(&self, cell: usize, displacement: &[[f64; COMPONENTS]]) -> ([[f64; 3]; MAX_NODES], usize) {
-        let nodes = self.mesh.cell(cell).nodes;
-        let mut points = [[0.0; 3]; MAX_NODES];
-        for (point, &node) in points.iter_mut().zip(nodes) {
-            *point = self.mesh.points()[node as usize];
-            for (x, u) in point.iter_mut().zip(displacement[node as usize]) {
-                *x += u;
-            }
+    /// Adds what the nodes of a cell receive to a vector of all unknowns.
+    pub(crate) fn add_to_nodes(&self, cell: usize, sums: &[[f64; COMPONENTS]], vector: &mut [f64]) {
+        let nodes = vector.as_chunks_mut::<COMPONENTS>().0;
+        for (&node, sums) in self.pattern.cell(cell).iter().zip(sums) {
+            nodes[node as usize].iter_mut().zip(sums).for_each(|(b, sum)| *b += sum);
         }
-        (points, nodes.len())
     }
 
     /// Factorises a Hessian; where it is singular, names the nodes.

@@ -16,11 +16,15 @@ use fedic_mesh::jacobian;
 use fedic_sparse::SymmetricMatrix;
 use rayon::prelude::*;
 
-use crate::batch::{BATCH, Batch};
+use crate::batch::BATCH;
 use crate::cell_loop::for_each_cell;
+use crate::cell_view::{CellView, node_views};
+use crate::expansion::NodeView;
 use crate::hessian::CellHessian;
 use crate::level::Level;
+use crate::point_table::PART;
 use crate::system::System;
+use crate::work::Work;
 use crate::{COMPONENTS, Error, Monitor, Options, Sampler, SolveError};
 
 /// Nodes whose unknowns are solved for at once.
@@ -89,45 +93,45 @@ impl GatheredNoise<'_> {
     fn assemble(&self, monitor: &dyn Monitor) -> Result<SymmetricMatrix, Error> {
         let pattern = &self.system.pattern;
         let mut matrix = SymmetricMatrix::zeros(pattern);
+        let views = node_views(&self.system.mesh, self.level.camera.as_ref(), None);
         for_each_cell(
-            pattern.num_cells(),
+            0..pattern.num_cells(),
             monitor,
-            |batch, cell| self.of_cell(batch, cell),
-            |cell, gathered| matrix.add_cell(pattern, cell, gathered.entries()),
+            |work, cell, _| self.of_cell(work, cell, &views),
+            |cell, gathered| matrix.add_cell(pattern, cell, &gathered.entries()),
         )?;
         Ok(matrix)
     }
 
-    fn of_cell(&self, batch: &mut Batch, cell: usize) -> CellHessian {
-        let cell_type = self.system.mesh.cell(cell).cell_type;
-        let nodes = self.system.mesh.cell_points(cell);
-        let quadrature = &self.level.quadrature;
-        let points = self.level.cell_points(cell);
-        let mut gathered = CellHessian::new(nodes.len());
-        let mut h = [[0.0; BATCH]; COMPONENTS];
-        let mut weighted = [[0.0; BATCH]; COMPONENTS];
-        for first in (0..points.len()).step_by(BATCH) {
-            let len = BATCH.min(points.len() - first);
-            batch.take(quadrature, cell, cell_type, first, len);
-            batch.project_with_jacobian(self.level.camera.as_ref(), &nodes);
-            batch.read(&self.image);
-            for (k, point) in points[first..first + len].iter().enumerate() {
+    fn of_cell(&self, work: &mut Work, cell: usize, views: &[NodeView]) -> CellHessian {
+        let (mesh, quadrature, camera) = (&self.system.mesh, &self.level.quadrature, self.level.camera.as_ref());
+        let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
+        let points = self.level.points.cell(cell);
+        let count = quadrature.range(cell).len();
+        work.resize(count);
+        let Work { batch, own_table, q: h, weights, .. } = work;
+        let (mut value, mut along_u, mut along_v) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
+        CellView::new(mesh, cell, views, camera).for_each_batch(batch, quadrature, cell, camera, |batch, part| {
+            let n = part.len();
+            batch.read(&self.image, &mut value[..n], [&mut along_u[..n], &mut along_v[..n]]);
+            for (k, point) in part.enumerate() {
                 let pixels = match quadrature.part_area(cell) {
                     Some(area) => {
                         area * batch.pixel_element(k, &jacobian(cell_type, &nodes, [batch.xi[k], batch.eta[k]]))
                     }
                     None => 1.0,
                 };
-                let factor = f64::from(point.weight).powi(2) / pixels.min(self.pixels_read);
-                let gradient = [batch.gradient[0][k], batch.gradient[1][k]];
-                for c in 0..COMPONENTS {
-                    h[c][k] = batch.pull_back(c, k, gradient);
-                    weighted[c][k] = factor * h[c][k];
+                weights[point] = (points.weight(point).powi(2) / pixels.min(self.pixels_read)) as f32;
+                for (c, h) in h.iter_mut().enumerate() {
+                    h[point] = batch.pull_back(c, k, [along_u[k], along_v[k]]) as f32;
                 }
             }
-            batch.clear_tail(&mut h);
-            batch.clear_tail(&mut weighted);
-            gathered.add(batch, &weighted, &h);
+        });
+        let mut gathered = CellHessian::new(nodes.len());
+        for first in (0..count).step_by(PART) {
+            let rows = own_table.rows(quadrature, cell, cell_type, first);
+            let part = first..first + rows.padded();
+            gathered.add(rows, [&h[0][part.clone()], &h[1][part.clone()]], &weights[part]);
         }
         gathered
     }

@@ -19,7 +19,7 @@ const QUADRATURES: [Quadrature; 4] = [
     Quadrature::Pixel,
 ];
 
-const MOST_ITERATIONS: usize = 6;
+const MOST_ITERATIONS: usize = 7;
 
 fn options(quadrature: Quadrature) -> Options {
     // No prefilter: the filter of the deformed image would not stretch with the material.

@@ -1,0 +1,62 @@
+//! A cell as the camera sees it.
+
+use fedic_camera::Camera;
+use fedic_mesh::{CellType, MAX_NODES, Mesh};
+use rayon::prelude::*;
+
+use crate::COMPONENTS;
+use crate::batch::{BATCH, Batch};
+use crate::cell_quadrature::CellQuadrature;
+use crate::expansion::{Expansion, NodeView};
+
+/// Where a cell's nodes are, and the polynomials that say where its points are seen, unless only the camera can.
+pub(crate) struct CellView {
+    cell_type: CellType,
+    places: [[f64; 3]; MAX_NODES],
+    pub(crate) expansion: Option<Expansion>,
+}
+
+/// Every node of a mesh, displaced if asked, as the camera sees it.
+pub(crate) fn node_views(
+    mesh: &Mesh,
+    camera: &dyn Camera,
+    displacement: Option<&[[f64; COMPONENTS]]>,
+) -> Vec<NodeView> {
+    let view = |(node, &point): (usize, &[f64; 3])| {
+        let mut place = point;
+        if let Some(displacement) = displacement {
+            place.iter_mut().zip(displacement[node]).for_each(|(x, u)| *x += u);
+        }
+        let (pixel, jacobian) = camera.project_with_jacobian(place);
+        NodeView { place, pixel, jacobian }
+    };
+    mesh.points().par_iter().enumerate().map(view).collect()
+}
+
+impl CellView {
+    pub(crate) fn new(mesh: &Mesh, cell: usize, views: &[NodeView], camera: &dyn Camera) -> Self {
+        let cell = mesh.cell(cell);
+        let mut nodes = [views[cell.nodes[0] as usize]; MAX_NODES];
+        nodes.iter_mut().zip(cell.nodes).for_each(|(view, &node)| *view = views[node as usize]);
+        let expansion = Expansion::new(cell.cell_type, &nodes[..cell.nodes.len()], camera);
+        Self { cell_type: cell.cell_type, places: nodes.map(|node| node.place), expansion }
+    }
+
+    /// Projects the points of the cell one by one, batch by batch; `use_batch` is told which points a batch holds.
+    pub(crate) fn for_each_batch(
+        &self,
+        batch: &mut Batch,
+        quadrature: &CellQuadrature,
+        cell: usize,
+        camera: &dyn Camera,
+        mut use_batch: impl FnMut(&mut Batch, std::ops::Range<usize>),
+    ) {
+        let count = quadrature.range(cell).len();
+        for first in (0..count).step_by(BATCH) {
+            let points = first..count.min(first + BATCH);
+            batch.take(quadrature, cell, self.cell_type, first, points.len());
+            batch.project_with_jacobian(camera, &self.places[..self.cell_type.num_nodes()]);
+            use_batch(batch, points);
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Where the points of a cell are seen, as polynomials of their reference coordinates.
+//!
+//! Over a cell a camera is very nearly a polynomial, whatever its lens. Its values and slopes at the nodes, which cells share,
+//! give one that the points of a cell evaluate in a few multiplications, from tables that cells of one subdivision share. The
+//! polynomial is compared with the camera itself where it can be worst; a cell where they differ is left to the camera.
+
+use std::sync::OnceLock;
+
+use fedic_camera::Camera;
+use fedic_mesh::{CellType, MAX_NODES, shape_gradients, shape_values};
+use nalgebra::{DMatrix, DVector};
+
+/// Monomials `xi^i eta^j` besides the constant, by degree.
+const EXPONENTS: [[i32; 2]; MONOMIALS] = [
+    [1, 0],
+    [0, 1],
+    [2, 0],
+    [1, 1],
+    [0, 2],
+    [3, 0],
+    [2, 1],
+    [1, 2],
+    [0, 3],
+    [4, 0],
+    [3, 1],
+    [2, 2],
+    [1, 3],
+    [0, 4],
+];
+/// Number of monomials up to degree 4, the constant left out.
+pub(crate) const MONOMIALS: usize = 14;
+/// Numbers of monomials up to each degree.
+const UP_TO_DEGREE: [usize; 4] = [2, 5, 9, 14];
+/// Largest difference from the camera, in pixels.
+const TOLERANCE: f64 = 2e-7;
+/// Largest difference from the camera's Jacobian, relative: it only weighs residuals.
+const JACOBIAN_TOLERANCE: f64 = 1e-4;
+
+/// Values, then slopes along `xi`, then along `eta`, at each node.
+const DATA: usize = 3 * MAX_NODES;
+
+/// A node where it is, as the camera sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NodeView {
+    pub(crate) place: [f64; 3],
+    pub(crate) pixel: [f64; 2],
+    pub(crate) jacobian: [[f64; 3]; 2],
+}
+
+/// Polynomials over a cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Expansion {
+    /// A pixel near the centre, from which `pixel` counts.
+    pub(crate) origin: [isize; 2],
+    /// Constant and coefficients of the monomials, of `u` and of `v`.
+    pub(crate) pixel: [[f32; MONOMIALS + 1]; 2],
+    /// How many monomials have coefficients worth adding.
+    pub(crate) terms: usize,
+    /// Constant, slopes along `xi` and `eta` of `du/dX, du/dY, dv/dX, dv/dY`.
+    pub(crate) jacobian: [[f32; 3]; 4],
+}
+
+/// All monomials but the constant at a point.
+pub(crate) fn monomials([xi, eta]: [f64; 2]) -> [f64; MONOMIALS] {
+    let mut values = [0.0; MONOMIALS];
+    for (value, [i, j]) in values.iter_mut().zip(EXPONENTS) {
+        *value = xi.powi(i) * eta.powi(j);
+    }
+    values
+}
+
+/// The linear maps from what is known at the nodes of a cell to the coefficients.
+struct Fit {
+    num_nodes: usize,
+    /// Row `m` gives the coefficient of monomial `m - 1` (0: the constant).
+    pixel: [[f64; DATA]; MONOMIALS + 1],
+    /// The same from the values at the nodes alone: what the shape functions are made of.
+    shape: [[f64; MAX_NODES]; MONOMIALS + 1],
+    jacobian: [[f64; MAX_NODES]; 3],
+    /// Derivatives of the shape functions at each node.
+    gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
+    /// Where the polynomial is compared with the camera: monomials and shape functions there.
+    check_monomials: [f64; MONOMIALS],
+    check_shape: [f64; MAX_NODES],
+}
+
+impl Fit {
+    fn of(cell_type: CellType) -> &'static Self {
+        static FITS: OnceLock<Vec<Fit>> = OnceLock::new();
+        &FITS.get_or_init(|| CellType::ALL.into_iter().map(Self::new).collect())[cell_type as usize]
+    }
+
+    fn new(cell_type: CellType) -> Self {
+        let nodes = cell_type.reference_nodes();
+        let n = nodes.len();
+        // Slopes at the corners alone do not tell a fourth power from a second.
+        let used: Vec<usize> = match cell_type {
+            CellType::Triangle => (0..UP_TO_DEGREE[1] + 1).collect(),
+            CellType::Quad => (0..UP_TO_DEGREE[2] + 1).chain([11, 13]).collect(),
+            CellType::Triangle6 | CellType::Quad8 | CellType::Quad9 => (0..MONOMIALS + 1).collect(),
+        };
+        let powers = |column: usize| if column == 0 { [0, 0] } else { EXPONENTS[column - 1] };
+        let known = DMatrix::from_fn(3 * n, used.len(), |row, column| {
+            let ([i, j], [xi, eta]) = (powers(used[column]), nodes[row % n]);
+            let power = |x: f64, p: i32| if p < 0 { 0.0 } else { x.powi(p) };
+            match row / n {
+                0 => power(xi, i) * power(eta, j),
+                1 => f64::from(i) * power(xi, i - 1) * power(eta, j),
+                _ => f64::from(j) * power(xi, i) * power(eta, j - 1),
+            }
+        });
+        let mut fit = Self {
+            num_nodes: n,
+            pixel: [[0.0; DATA]; MONOMIALS + 1],
+            shape: [[0.0; MAX_NODES]; MONOMIALS + 1],
+            jacobian: [[0.0; MAX_NODES]; 3],
+            gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
+            check_monomials: [0.0; MONOMIALS],
+            check_shape: [0.0; MAX_NODES],
+        };
+        let svd = known.svd(true, true);
+        for datum in 0..3 * n {
+            let mut unit = DVector::zeros(3 * n);
+            unit[datum] = 1.0;
+            if let Ok(column) = svd.solve(&unit, 1e-10) {
+                used.iter().zip(column.iter()).for_each(|(&m, &value)| fit.pixel[m][datum] = value);
+            }
+        }
+        let linear = DMatrix::from_fn(n, 3, |row, column| [1.0, nodes[row][0], nodes[row][1]][column]).svd(true, true);
+        for node in 0..n {
+            let mut unit = DVector::zeros(n);
+            unit[node] = 1.0;
+            if let Ok(column) = linear.solve(&unit, 1e-10) {
+                (0..3).for_each(|m| fit.jacobian[m][node] = column[m]);
+            }
+            fit.gradients[node] = shape_gradients(cell_type, nodes[node]);
+        }
+        // A shape function has its own slopes at the nodes.
+        for node in 0..n {
+            for m in 0..=MONOMIALS {
+                fit.shape[m][node] = fit.pixel[m][node]
+                    + (0..n)
+                        .map(|at| {
+                            let [xi, eta] = fit.gradients[at][node];
+                            fit.pixel[m][n + at] * xi + fit.pixel[m][2 * n + at] * eta
+                        })
+                        .sum::<f64>();
+            }
+        }
+        let check = match cell_type {
+            CellType::Quad | CellType::Quad8 => [0.0, 0.0],
+            CellType::Quad9 => [0.5, 0.5],
+            CellType::Triangle | CellType::Triangle6 => [1.0 / 3.0, 1.0 / 3.0],
+        };
+        fit.check_monomials = monomials(check);
+        fit.check_shape = shape_values(cell_type, check);
+        fit
+    }
+}
+
+impl Expansion {
+    /// The polynomials over a cell with these nodes, or `None` where they are too far from the camera.
+    pub(crate) fn new(cell_type: CellType, nodes: &[NodeView], camera: &dyn Camera) -> Option<Self> {
+        let fit = Fit::of(cell_type);
+        let constant = camera.constant_jacobian().is_some();
+        let n = fit.num_nodes as f64;
+        let mut centre = [0.0; 2];
+        for node in nodes {
+            (0..2).for_each(|c| centre[c] += node.pixel[c] / n);
+        }
+        if !centre.iter().all(|c| c.abs() < f64::from(i32::MAX)) {
+            return None;
+        }
+        let origin = centre.map(f64::round);
+        let mut coefficients = [[0.0; MONOMIALS + 1]; 2];
+        let mut jacobian = [[0.0; 3]; 4];
+        if constant {
+            for c in 0..2 {
+                for (coefficient, row) in coefficients[c].iter_mut().zip(&fit.shape) {
+                    *coefficient = nodes.iter().zip(row).map(|(node, r)| r * (node.pixel[c] - origin[c])).sum();
+                }
+            }
+            for entry in 0..4 {
+                jacobian[entry][0] = nodes[0].jacobian[entry / 2][entry % 2];
+            }
+        } else {
+            fit.expand(nodes, origin, &mut coefficients);
+            jacobian = fit.expand_jacobian(nodes);
+            if !fit.agrees(nodes, camera, origin, &coefficients, &jacobian) {
+                return None;
+            }
+        }
+        let terms = worth_adding(&coefficients);
+        Some(Self {
+            origin: origin.map(|c| c as isize),
+            pixel: coefficients.map(|c| c.map(|c| c as f32)),
+            terms,
+            jacobian: jacobian.map(|c| c.map(|c| c as f32)),
+        })
+    }
+}
+
+impl Fit {
+    fn expand(&self, nodes: &[NodeView], origin: [f64; 2], coefficients: &mut [[f64; MONOMIALS + 1]; 2]) {
+        let n = self.num_nodes;
+        let mut data = [[0.0; DATA]; 2];
+        for (a, node) in nodes.iter().enumerate() {
+            let mut tangents = [[0.0; 3]; 2];
+            for (gradient, other) in self.gradients[a].iter().zip(nodes) {
+                for d in 0..3 {
+                    tangents[0][d] += gradient[0] * other.place[d];
+                    tangents[1][d] += gradient[1] * other.place[d];
+                }
+            }
+            for c in 0..2 {
+                let [x, y, z] = node.jacobian[c];
+                data[c][a] = node.pixel[c] - origin[c];
+                data[c][n + a] = x * tangents[0][0] + y * tangents[0][1] + z * tangents[0][2];
+                data[c][2 * n + a] = x * tangents[1][0] + y * tangents[1][1] + z * tangents[1][2];
+            }
+        }
+        for (m, row) in self.pixel.iter().enumerate() {
+            for c in 0..2 {
+                coefficients[c][m] = row[..3 * n].iter().zip(&data[c]).map(|(r, d)| r * d).sum();
+            }
+        }
+    }
+
+    fn expand_jacobian(&self, nodes: &[NodeView]) -> [[f64; 3]; 4] {
+        let mut jacobian = [[0.0; 3]; 4];
+        for (entry, coefficients) in jacobian.iter_mut().enumerate() {
+            for (coefficient, row) in coefficients.iter_mut().zip(&self.jacobian) {
+                *coefficient = nodes.iter().zip(row).map(|(node, r)| r * node.jacobian[entry / 2][entry % 2]).sum();
+            }
+        }
+        jacobian
+    }
+
+    /// Whether the polynomials agree with the camera away from the nodes.
+    fn agrees(
+        &self,
+        nodes: &[NodeView],
+        camera: &dyn Camera,
+        origin: [f64; 2],
+        coefficients: &[[f64; MONOMIALS + 1]; 2],
+        jacobian: &[[f64; 3]; 4],
+    ) -> bool {
+        let mut place = [0.0; 3];
+        for (shape, node) in self.check_shape.iter().zip(nodes) {
+            (0..3).for_each(|d| place[d] += shape * node.place[d]);
+        }
+        let (seen, true_jacobian) = camera.project_with_jacobian(place);
+        let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
+        (0..2).all(|c| {
+            let monomials = coefficients[c][1..].iter().zip(&self.check_monomials);
+            let expanded = origin[c] + coefficients[c][0] + monomials.map(|(c, m)| c * m).sum::<f64>();
+            (expanded - seen[c]).abs() <= TOLERANCE
+        }) && (0..4).all(|entry| {
+            let [constant, xi, eta] = jacobian[entry];
+            let expanded = constant + xi * self.check_monomials[0] + eta * self.check_monomials[1];
+            (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= JACOBIAN_TOLERANCE * size
+        })
+    }
+}
+
+/// The fewest monomials, up to a whole degree, beyond which coefficients add up to nothing: a monomial is at most one.
+fn worth_adding(coefficients: &[[f64; MONOMIALS + 1]; 2]) -> usize {
+    let rest = |terms: usize| {
+        let beyond = |c: &[f64; MONOMIALS + 1]| c[terms + 1..].iter().map(|c| c.abs()).sum::<f64>();
+        coefficients.iter().map(beyond).fold(0.0, f64::max)
+    };
+    UP_TO_DEGREE.into_iter().find(|&terms| rest(terms) <= TOLERANCE).unwrap_or(MONOMIALS)
+}

@@ -1,0 +1,196 @@
+//! Reading the reference image at the quadrature points, and the Hessian that follows from it.
+
+use fedic_camera::Camera;
+use fedic_mesh::{CellType, MAX_NODES, Mesh, jacobian};
+use rayon::prelude::*;
+
+use crate::brightness::Moments;
+use crate::cell_quadrature::CellQuadrature;
+use crate::cell_view::CellView;
+use crate::expansion::NodeView;
+use crate::hessian::CellHessian;
+use crate::point_table::PART;
+use crate::points::CellPointsMut;
+use crate::simd::{IDENTITY, Readings, moments, positions, pull_back, residual_sums};
+use crate::work::Work;
+use crate::{COMPONENTS, Sampler};
+
+/// The weights of a cell are taken as one if they differ by no more than this, relatively: below the resolution of `f32`.
+const UNIFORM: f64 = 3e-8;
+/// About how many nodes give the level from which grey levels are counted.
+const PIVOT_NODES: usize = 1000;
+/// Points whose weights are found at once.
+const BLOCK: usize = 64;
+
+/// What reading the reference image takes.
+pub(crate) struct ReferenceReader<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) camera: &'a dyn Camera,
+    pub(crate) quadrature: &'a CellQuadrature,
+    pub(crate) image: &'a Sampler,
+    pub(crate) views: &'a [NodeView],
+    /// Grey level from which moments are counted.
+    pub(crate) pivot: f32,
+}
+
+/// What a cell adds to the system.
+pub(crate) struct CellReading {
+    pub(crate) hessian: CellHessian,
+    pub(crate) moments: Moments,
+    /// `sum w N^T q f`, its grey levels counted from the pivot, and `sum w N^T q`, by node.
+    pub(crate) brightness: [[[f64; COMPONENTS]; MAX_NODES]; 2],
+    /// Whether some of its points lie outside the image: they have no weight.
+    pub(crate) outside: bool,
+}
+
+impl ReferenceReader<'_> {
+    /// Fills the rows of a cell, whose weights `scale` multiplies.
+    pub(crate) fn read_cell(&self, work: &mut Work, cell: usize, rows: CellPointsMut<'_>, scale: f64) -> CellReading {
+        let count = self.quadrature.range(cell).len();
+        let CellPointsMut { value, gradient: [along_u, along_v], mut weights } = rows;
+        let view = CellView::new(self.mesh, cell, self.views, self.camera);
+        work.resize(count);
+        self.read(work, cell, &view, value, [&mut *along_u, &mut *along_v]);
+        if let Some(weights) = &mut weights {
+            self.weigh(cell, &mut weights[..count]);
+        }
+        let mut outside = false;
+        for k in 0..count {
+            if !value[k].is_nan() {
+                continue;
+            }
+            outside = true;
+            (value[k], along_u[k], along_v[k]) = (0.0, 0.0, 0.0);
+            work.q.iter_mut().for_each(|q| q[k] = 0.0);
+            if let Some(weights) = &mut weights {
+                weights[k] = 0.0;
+            }
+        }
+        self.sum(work, cell, &view, value, [along_u, along_v], weights.as_deref(), scale, outside)
+    }
+
+    /// Grey levels and gradients at the points of a cell; where it has no expansion, `work.q` too.
+    fn read(&self, work: &mut Work, cell: usize, view: &CellView, value: &mut [f32], gradient: [&mut [f32]; 2]) {
+        let (cell_type, count) = (self.mesh.cell(cell).cell_type, self.quadrature.range(cell).len());
+        let [along_u, along_v] = gradient;
+        let Some(expansion) = &view.expansion else {
+            let q = &mut work.q;
+            return view.for_each_batch(&mut work.batch, self.quadrature, cell, self.camera, |batch, points| {
+                let gradient = [&mut along_u[points.clone()], &mut along_v[points.clone()]];
+                batch.read(self.image, &mut value[points.clone()], gradient);
+                for (k, point) in points.enumerate() {
+                    for (c, q) in q.iter_mut().enumerate() {
+                        q[point] = batch.pull_back(c, k, [along_u[point], along_v[point]]) as f32;
+                    }
+                }
+            });
+        };
+        for first in (0..count).step_by(PART) {
+            let part = first..count.min(first + PART);
+            let rows = work.own_table.rows(self.quadrature, cell, cell_type, first);
+            let [u, v] = work.pixel.each_mut().map(|row| &mut row[..rows.padded()]);
+            positions(rows, expansion, u, v);
+            let (u, v) = (&u[..part.len()], &v[..part.len()]);
+            let gradient = [&mut along_u[part.clone()], &mut along_v[part.clone()]];
+            self.image.values_and_gradients_near(expansion.origin, u, v, &mut value[part], gradient);
+        }
+    }
+
+    /// Weights of the points of a cell, before what multiplies them all.
+    fn weigh(&self, cell: usize, weights: &mut [f32]) {
+        if self.quadrature.part_area(cell).is_none() {
+            return weights.fill(1.0);
+        }
+        let (cell_type, nodes) = (self.mesh.cell(cell).cell_type, self.mesh.cell_points(cell));
+        let (mut xi, mut eta) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (block, weights) in weights.chunks_mut(BLOCK).enumerate() {
+            let n = weights.len();
+            self.quadrature.coordinates(cell, block * BLOCK, &mut xi[..n], &mut eta[..n]);
+            for (k, weight) in weights.iter_mut().enumerate() {
+                *weight = surface_element(cell_type, &nodes, [xi[k], eta[k]]) as f32;
+            }
+        }
+    }
+
+    /// Hessian and moments of a cell.
+    #[allow(clippy::too_many_arguments)]
+    fn sum(
+        &self,
+        work: &mut Work,
+        cell: usize,
+        view: &CellView,
+        value: &[f32],
+        gradient: [&[f32]; 2],
+        weights: Option<&[f32]>,
+        scale: f64,
+        outside: bool,
+    ) -> CellReading {
+        let cell_type = self.mesh.cell(cell).cell_type;
+        let mut hessian = CellHessian::new(cell_type.num_nodes());
+        let mut sums = Moments::default();
+        let mut brightness = [[[0.0; COMPONENTS]; MAX_NODES]; 2];
+        for first in (0..value.len()).step_by(PART) {
+            let rows = work.own_table.rows(self.quadrature, cell, cell_type, first);
+            let part = first..first + rows.padded();
+            let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
+            let [x, y] = work.q.each_mut().map(|q| &mut q[part.clone()]);
+            if let Some(expansion) = &view.expansion {
+                x.copy_from_slice(&gradient[0][part.clone()]);
+                y.copy_from_slice(&gradient[1][part.clone()]);
+                pull_back(rows, &expansion.jacobian, [&mut *x, &mut *y]);
+            }
+            hessian.add(rows, [x, y], weights);
+            let value = &value[part];
+            for (sums, (signal, offset)) in brightness.iter_mut().zip([(value, self.pivot), (rows.ones(), 0.0)]) {
+                let readings = Readings {
+                    reference: signal,
+                    gradient: [x, y],
+                    deformed: value,
+                    weights,
+                    jacobian: &IDENTITY,
+                    correction: [0.0, offset],
+                };
+                let (part, _) = residual_sums(rows, readings);
+                sums.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(sum, p)| *sum += scale * p);
+            }
+            let [f, ff] = moments(value, weights, self.pivot);
+            sums.weight += scale * weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
+            sums.f += scale * f;
+            sums.ff += scale * ff;
+        }
+        hessian.scale(scale);
+        CellReading { hessian, moments: sums, brightness, outside }
+    }
+}
+
+/// What multiplies the weights of each cell, and whether they vary over it: they do where its map is not affine, and where points
+/// may be dropped.
+pub(crate) fn weighing(mesh: &Mesh, quadrature: &CellQuadrature, may_drop: bool) -> (Vec<f64>, Vec<bool>) {
+    let weighing = |cell: usize| {
+        let Some(area) = quadrature.part_area(cell) else { return (1.0, may_drop) };
+        let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
+        let centre = surface_element(cell_type, &nodes, cell_type.reference_centre());
+        let differs = |&at: &[f64; 2]| (surface_element(cell_type, &nodes, at) - centre).abs() > UNIFORM * centre;
+        let varying = may_drop || cell_type.reference_nodes().iter().any(differs);
+        (if varying { area } else { area * centre }, varying)
+    };
+    (0..mesh.num_cells()).into_par_iter().map(weighing).unzip()
+}
+
+/// Mean grey level at some nodes: any number near the mean serves as pivot.
+pub(crate) fn typical_level(image: &Sampler, views: &[NodeView]) -> f32 {
+    let some = views.iter().step_by(views.len().div_ceil(PIVOT_NODES).max(1));
+    let (u, v): (Vec<f64>, Vec<f64>) = some.map(|view| (view.pixel[0], view.pixel[1])).unzip();
+    let mut levels = vec![0.0; u.len()];
+    let [mut along_u, mut along_v] = [levels.clone(), levels.clone()];
+    image.values_and_gradients(&u, &v, &mut levels, [&mut along_u, &mut along_v]);
+    levels.retain(|level| level.is_finite());
+    if levels.is_empty() { 0.0 } else { levels.iter().sum::<f32>() / levels.len() as f32 }
+}
+
+/// Area of the cell per area of its reference domain at a point.
+fn surface_element(cell_type: CellType, nodes: &[[f64; 3]], at: [f64; 2]) -> f64 {
+    let [[xx, xy], [yx, yy], [zx, zy]] = jacobian(cell_type, nodes, at);
+    let normal = [yx * zy - yy * zx, zx * xy - zy * xx, xx * yy - xy * yx];
+    normal.iter().map(|c| c * c).sum::<f64>().sqrt()
+}

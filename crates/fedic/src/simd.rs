@@ -1,0 +1,296 @@
+//! The loops over the points of a cell, with the best instructions that the processor has. All rows have one length, a
+//! multiple of the number of lanes.
+
+use fedic_mesh::MAX_NODES;
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::COMPONENTS;
+use crate::expansion::{Expansion, MONOMIALS};
+use crate::point_table::Rows;
+
+/// Vectors added in single precision before a sum goes on in double precision.
+const FLUSH: usize = 16;
+
+/// Runs a loop.
+fn run<O: WithSimd>(operation: O) -> O::Output {
+    Arch::new().dispatch(operation)
+}
+
+/// Evaluates the polynomials of an expansion: pixel coordinates, counted from its origin.
+pub(crate) fn positions(rows: Rows<'_>, expansion: &Expansion, u: &mut [f32], v: &mut [f32]) {
+    match expansion.terms {
+        2 => run(Positions::<2> { rows, expansion, u, v }),
+        5 => run(Positions::<5> { rows, expansion, u, v }),
+        9 => run(Positions::<9> { rows, expansion, u, v }),
+        _ => run(Positions::<MONOMIALS> { rows, expansion, u, v }),
+    }
+}
+
+struct Positions<'a, const TERMS: usize> {
+    rows: Rows<'a>,
+    expansion: &'a Expansion,
+    u: &'a mut [f32],
+    v: &'a mut [f32],
+}
+
+impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { rows, expansion, u, v } = self;
+        let (u, _) = S::as_mut_simd_f32s(u);
+        let (v, _) = S::as_mut_simd_f32s(v);
+        let mut powers: [&[S::f32s]; TERMS] = [&[]; TERMS];
+        for m in 0..TERMS {
+            powers[m] = &S::as_simd_f32s(rows.monomial(m)).0[..u.len()];
+        }
+        let [constant_u, constant_v] = [simd.splat_f32s(expansion.pixel[0][0]), simd.splat_f32s(expansion.pixel[1][0])];
+        let (mut factors_u, mut factors_v) = ([constant_u; TERMS], [constant_v; TERMS]);
+        for m in 0..TERMS {
+            factors_u[m] = simd.splat_f32s(expansion.pixel[0][m + 1]);
+            factors_v[m] = simd.splat_f32s(expansion.pixel[1][m + 1]);
+        }
+        for k in 0..u.len().min(v.len()) {
+            let (mut at_u, mut at_v) = (constant_u, constant_v);
+            for m in 0..TERMS {
+                let power = powers[m][k];
+                at_u = simd.mul_add_e_f32s(power, factors_u[m], at_u);
+                at_v = simd.mul_add_e_f32s(power, factors_v[m], at_v);
+            }
+            u[k] = at_u;
+            v[k] = at_v;
+        }
+    }
+}
+
+/// Sums of `w (g - pivot)` and `w (g - pivot)^2`.
+pub(crate) fn moments(grey: &[f32], weights: &[f32], pivot: f32) -> [f64; 2] {
+    run(Moments { grey, weights, pivot })
+}
+
+struct Moments<'a> {
+    grey: &'a [f32],
+    weights: &'a [f32],
+    pivot: f32,
+}
+
+impl WithSimd for Moments<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+        let (grey, weights) = (S::as_simd_f32s(self.grey).0, S::as_simd_f32s(self.weights).0);
+        let pivot = simd.splat_f32s(self.pivot);
+        let mut totals = [0.0; 2];
+        for (grey, weights) in grey.chunks(FLUSH).zip(weights.chunks(FLUSH)) {
+            let mut sums = [simd.splat_f32s(0.0); 2];
+            for (&grey, &weight) in grey.iter().zip(weights) {
+                let centred = simd.sub_f32s(grey, pivot);
+                let weighted = simd.mul_f32s(weight, centred);
+                sums[0] = simd.add_f32s(sums[0], weighted);
+                sums[1] = simd.mul_add_e_f32s(weighted, centred, sums[1]);
+            }
+            totals[0] += f64::from(simd.reduce_sum_f32s(sums[0]));
+            totals[1] += f64::from(simd.reduce_sum_f32s(sums[1]));
+        }
+        totals
+    }
+}
+
+/// What is known at the points of a cell when their grey levels in the deformed image are.
+#[derive(Clone, Copy)]
+pub(crate) struct Readings<'a> {
+    /// Grey levels of the reference image, and its gradient.
+    pub(crate) reference: &'a [f32],
+    pub(crate) gradient: [&'a [f32]; 2],
+    /// Grey levels of the deformed image.
+    pub(crate) deformed: &'a [f32],
+    pub(crate) weights: &'a [f32],
+    /// The camera's Jacobian: [`Expansion::jacobian`].
+    pub(crate) jacobian: &'a [[f32; 3]; 4],
+    /// Gain and offset of the deformed image.
+    pub(crate) correction: [f32; 2],
+}
+
+/// The camera's Jacobian where gradients are pulled back already.
+pub(crate) const IDENTITY: [[f32; 3]; 4] = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
+
+/// Sums of `w N q r` at each node, of which the rows past the last node stay zero, and of `w r^2`.
+pub(crate) fn residual_sums(rows: Rows<'_>, readings: Readings<'_>) -> ([[f64; COMPONENTS]; MAX_NODES], f64) {
+    match rows.num_nodes() {
+        3 => run(ResidualSums::<3> { rows, readings }),
+        4 => run(ResidualSums::<4> { rows, readings }),
+        6 => run(ResidualSums::<6> { rows, readings }),
+        8 => run(ResidualSums::<8> { rows, readings }),
+        _ => run(ResidualSums::<MAX_NODES> { rows, readings }),
+    }
+}
+
+struct ResidualSums<'a, const NODES: usize> {
+    rows: Rows<'a>,
+    readings: Readings<'a>,
+}
+
+impl<const NODES: usize> WithSimd for ResidualSums<'_, NODES> {
+    type Output = ([[f64; COMPONENTS]; MAX_NODES], f64);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { rows, readings } = self;
+        let reference = S::as_simd_f32s(readings.reference).0;
+        let count = reference.len();
+        let gradient_u = &S::as_simd_f32s(readings.gradient[0]).0[..count];
+        let gradient_v = &S::as_simd_f32s(readings.gradient[1]).0[..count];
+        let deformed = &S::as_simd_f32s(readings.deformed).0[..count];
+        let weights = &S::as_simd_f32s(readings.weights).0[..count];
+        let xi = &S::as_simd_f32s(rows.monomial(0)).0[..count];
+        let eta = &S::as_simd_f32s(rows.monomial(1)).0[..count];
+        let mut shapes: [&[S::f32s]; NODES] = [&[]; NODES];
+        for a in 0..NODES {
+            shapes[a] = &S::as_simd_f32s(rows.shape(a)).0[..count];
+        }
+        let zero = simd.splat_f32s(0.0);
+        let mut jacobian = [[zero; 3]; 4];
+        for entry in 0..4 {
+            for c in 0..3 {
+                jacobian[entry][c] = simd.splat_f32s(readings.jacobian[entry][c]);
+            }
+        }
+        let gain = simd.splat_f32s(-readings.correction[0]);
+        let offset = simd.splat_f32s(readings.correction[1]);
+        let mut totals = [[0.0; COMPONENTS]; MAX_NODES];
+        let mut squares = 0.0;
+        let mut start = 0;
+        while start < count {
+            let end = count.min(start + FLUSH);
+            let mut sums = [[zero; COMPONENTS]; NODES];
+            let mut square = zero;
+            for k in start..end {
+                let mut at = [zero; 4];
+                for entry in 0..4 {
+                    let [constant, along_xi, along_eta] = jacobian[entry];
+                    at[entry] = simd.mul_add_e_f32s(along_eta, eta[k], simd.mul_add_e_f32s(along_xi, xi[k], constant));
+                }
+                let residual = simd.mul_add_e_f32s(gain, deformed[k], simd.sub_f32s(reference[k], offset));
+                let weighted = simd.mul_f32s(weights[k], residual);
+                square = simd.mul_add_e_f32s(weighted, residual, square);
+                let weighted_u = simd.mul_f32s(weighted, gradient_u[k]);
+                let weighted_v = simd.mul_f32s(weighted, gradient_v[k]);
+                let x = simd.mul_add_e_f32s(at[0], weighted_u, simd.mul_f32s(at[2], weighted_v));
+                let y = simd.mul_add_e_f32s(at[1], weighted_u, simd.mul_f32s(at[3], weighted_v));
+                for a in 0..NODES {
+                    let shape = shapes[a][k];
+                    sums[a][0] = simd.mul_add_e_f32s(shape, x, sums[a][0]);
+                    sums[a][1] = simd.mul_add_e_f32s(shape, y, sums[a][1]);
+                }
+            }
+            for a in 0..NODES {
+                totals[a][0] += f64::from(simd.reduce_sum_f32s(sums[a][0]));
+                totals[a][1] += f64::from(simd.reduce_sum_f32s(sums[a][1]));
+            }
+            squares += f64::from(simd.reduce_sum_f32s(square));
+            start = end;
+        }
+        (totals, squares)
+    }
+}
+
+/// Multiplies the gradient of an image by the transpose of the camera's Jacobian, in place: `q = J^T grad f`.
+pub(crate) fn pull_back(rows: Rows<'_>, jacobian: &[[f32; 3]; 4], gradient: [&mut [f32]; 2]) {
+    run(PullBack { rows, jacobian, gradient });
+}
+
+struct PullBack<'a> {
+    rows: Rows<'a>,
+    jacobian: &'a [[f32; 3]; 4],
+    gradient: [&'a mut [f32]; 2],
+}
+
+impl WithSimd for PullBack<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (xi, eta) = (self.rows.monomial(0), self.rows.monomial(1));
+        let [along_u, along_v] = self.gradient;
+        let count = xi.len().min(eta.len()).min(along_u.len()).min(along_v.len());
+        for k in 0..count {
+            let mut at = [0.0; 4];
+            for entry in 0..4 {
+                let [constant, along_xi, along_eta] = self.jacobian[entry];
+                at[entry] = constant + along_xi * xi[k] + along_eta * eta[k];
+            }
+            (along_u[k], along_v[k]) = (at[0] * along_u[k] + at[2] * along_v[k], at[1] * along_u[k] + at[3] * along_v[k]);
+        }
+    }
+}
+
+/// Sums of `w N_a N_b (q_0^2, q_0 q_1, q_1^2)` for the pairs of nodes `b <= a`, row after row. In double precision
+/// throughout: a singular matrix must look singular.
+pub(crate) fn hessian_sums(rows: Rows<'_>, q: [&[f32]; 2], weights: &[f32], sums: &mut [[f64; PRODUCTS]]) {
+    run(HessianSums { rows, q, weights, sums });
+}
+
+/// Products of two components.
+pub(crate) const PRODUCTS: usize = COMPONENTS * (COMPONENTS + 1) / 2;
+/// Points whose products are formed at once.
+const POINTS: usize = 64;
+
+struct HessianSums<'a> {
+    rows: Rows<'a>,
+    q: [&'a [f32]; 2],
+    weights: &'a [f32],
+    sums: &'a mut [[f64; PRODUCTS]],
+}
+
+impl WithSimd for HessianSums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let nodes = self.rows.num_nodes();
+        let mut shapes = [[0.0_f64; POINTS]; MAX_NODES];
+        let mut products = [[0.0_f64; POINTS]; PRODUCTS];
+        for start in (0..self.weights.len()).step_by(POINTS) {
+            let n = POINTS.min(self.weights.len() - start);
+            let (weights, x, y) = (&self.weights[start..], &self.q[0][start..], &self.q[1][start..]);
+            for k in 0..n {
+                let (w, x, y) = (f64::from(weights[k]), f64::from(x[k]), f64::from(y[k]));
+                (products[0][k], products[1][k], products[2][k]) = (w * x * x, w * x * y, w * y * y);
+            }
+            for a in 0..nodes {
+                let shape = &self.rows.shape(a)[start..];
+                for k in 0..n {
+                    shapes[a][k] = f64::from(shape[k]);
+                }
+            }
+            let [xx, xy, yy] = &products;
+            let (xx, xy, yy) = (vectors::<S>(xx, n), vectors::<S>(xy, n), vectors::<S>(yy, n));
+            let mut pair = 0;
+            for a in 0..nodes {
+                let shape_a = vectors::<S>(&shapes[a], n);
+                for b in 0..=a {
+                    let shape_b = vectors::<S>(&shapes[b], n);
+                    let mut parts = [simd.splat_f64s(0.0); PRODUCTS];
+                    for ((((&a, &b), &xx), &xy), &yy) in shape_a.iter().zip(shape_b).zip(xx).zip(xy).zip(yy) {
+                        let both = simd.mul_f64s(a, b);
+                        parts[0] = simd.mul_add_e_f64s(both, xx, parts[0]);
+                        parts[1] = simd.mul_add_e_f64s(both, xy, parts[1]);
+                        parts[2] = simd.mul_add_e_f64s(both, yy, parts[2]);
+                    }
+                    for p in 0..PRODUCTS {
+                        self.sums[pair][p] += simd.reduce_sum_f64s(parts[p]);
+                    }
+                    pair += 1;
+                }
+            }
+        }
+    }
+}
+
+/// The first `n` numbers, a multiple of the lanes.
+#[inline(always)]
+fn vectors<S: Simd>(numbers: &[f64; POINTS], n: usize) -> &[S::f64s] {
+    S::as_simd_f64s(&numbers[..n]).0
+}
