@@ -31,13 +31,21 @@ const EXPONENTS: [[i32; 2]; MONOMIALS] = [
 pub(crate) const MONOMIALS: usize = 14;
 /// Numbers of monomials up to each degree.
 const UP_TO_DEGREE: [usize; 4] = [2, 5, 9, 14];
+/// Rows of a fit that give the coefficients of `xi^4` and `eta^4`.
+const X4: usize = 10;
+const Y4: usize = 14;
 /// Largest difference from the camera, in pixels.
-const TOLERANCE: f64 = 2e-7;
+const TOLERANCE: f64 = 1e-6;
+/// Coefficients that add up to less than this, in pixels, are left out.
+const NEGLIGIBLE: f64 = 1e-7;
 /// Largest difference from the camera's Jacobian, relative: it only weighs residuals.
 const JACOBIAN_TOLERANCE: f64 = 1e-4;
 
-/// Values, then slopes along `xi`, then along `eta`, at each node.
-const DATA: usize = 3 * MAX_NODES;
+/// Singular values below this count as zero.
+const RANK: f64 = 1e-10;
+
+/// Values, then slopes along `xi`, then along `eta`, at each node; then the value at the centre.
+const DATA: usize = 3 * MAX_NODES + 1;
 
 /// A node where it is, as the camera sees it.
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +62,8 @@ pub(crate) struct Expansion {
     pub(crate) origin: [isize; 2],
     /// Constant and coefficients of the monomials, of `u` and of `v`.
     pub(crate) pixel: [[f32; MONOMIALS + 1]; 2],
+    /// What single precision leaves of the coefficients of `xi` and `eta`, of `u` and of `v`.
+    pub(crate) remainder: [[f32; 2]; 2],
     /// How many monomials have coefficients worth adding.
     pub(crate) terms: usize,
     /// Constant, slopes along `xi` and `eta` of `du/dX, du/dY, dv/dX, dv/dY`.
@@ -79,6 +89,7 @@ struct Fit {
     jacobian: [[f64; MAX_NODES]; 3],
     /// Derivatives of the shape functions at each node.
     gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
+    centre_shape: [f64; MAX_NODES],
     /// Where the polynomial is compared with the camera: monomials and shape functions there.
     check_monomials: [f64; MONOMIALS],
     check_shape: [f64; MAX_NODES],
@@ -93,20 +104,21 @@ impl Fit {
     fn new(cell_type: CellType) -> Self {
         let nodes = cell_type.reference_nodes();
         let n = nodes.len();
-        // Slopes at the corners alone do not tell a fourth power from a second.
+        let centre = cell_type.reference_centre();
+        // As many as the data tell apart: corners and centre do not know a fourth power from a second.
         let used: Vec<usize> = match cell_type {
-            CellType::Triangle => (0..UP_TO_DEGREE[1] + 1).collect(),
-            CellType::Quad => (0..UP_TO_DEGREE[2] + 1).chain([11, 13]).collect(),
-            CellType::Triangle6 | CellType::Quad8 | CellType::Quad9 => (0..MONOMIALS + 1).collect(),
+            CellType::Triangle => (0..=UP_TO_DEGREE[2]).collect(),
+            CellType::Quad => (0..=MONOMIALS).filter(|&m| m != X4 && m != Y4).collect(),
+            CellType::Triangle6 | CellType::Quad8 | CellType::Quad9 => (0..=MONOMIALS).collect(),
         };
-        let powers = |column: usize| if column == 0 { [0, 0] } else { EXPONENTS[column - 1] };
-        let known = DMatrix::from_fn(3 * n, used.len(), |row, column| {
-            let ([i, j], [xi, eta]) = (powers(used[column]), nodes[row % n]);
+        let powers = |m: usize| if m == 0 { [0, 0] } else { EXPONENTS[m - 1] };
+        let known = DMatrix::from_fn(3 * n + 1, used.len(), |row, column| {
+            let ([i, j], [xi, eta]) = (powers(used[column]), if row < 3 * n { nodes[row % n] } else { centre });
             let power = |x: f64, p: i32| if p < 0 { 0.0 } else { x.powi(p) };
             match row / n {
-                0 => power(xi, i) * power(eta, j),
                 1 => f64::from(i) * power(xi, i - 1) * power(eta, j),
-                _ => f64::from(j) * power(xi, i) * power(eta, j - 1),
+                2 => f64::from(j) * power(xi, i) * power(eta, j - 1),
+                _ => power(xi, i) * power(eta, j),
             }
         });
         let mut fit = Self {
@@ -115,14 +127,15 @@ impl Fit {
             shape: [[0.0; MAX_NODES]; MONOMIALS + 1],
             jacobian: [[0.0; MAX_NODES]; 3],
             gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
+            centre_shape: [0.0; MAX_NODES],
             check_monomials: [0.0; MONOMIALS],
             check_shape: [0.0; MAX_NODES],
         };
         let svd = known.svd(true, true);
-        for datum in 0..3 * n {
-            let mut unit = DVector::zeros(3 * n);
+        for datum in 0..=3 * n {
+            let mut unit = DVector::zeros(3 * n + 1);
             unit[datum] = 1.0;
-            if let Ok(column) = svd.solve(&unit, 1e-10) {
+            if let Ok(column) = svd.solve(&unit, RANK) {
                 used.iter().zip(column.iter()).for_each(|(&m, &value)| fit.pixel[m][datum] = value);
             }
         }
@@ -130,28 +143,25 @@ impl Fit {
         for node in 0..n {
             let mut unit = DVector::zeros(n);
             unit[node] = 1.0;
-            if let Ok(column) = linear.solve(&unit, 1e-10) {
+            if let Ok(column) = linear.solve(&unit, RANK) {
                 (0..3).for_each(|m| fit.jacobian[m][node] = column[m]);
             }
             fit.gradients[node] = shape_gradients(cell_type, nodes[node]);
         }
-        // A shape function has its own slopes at the nodes.
-        for node in 0..n {
-            for m in 0..=MONOMIALS {
-                fit.shape[m][node] = fit.pixel[m][node]
-                    + (0..n)
-                        .map(|at| {
-                            let [xi, eta] = fit.gradients[at][node];
-                            fit.pixel[m][n + at] * xi + fit.pixel[m][2 * n + at] * eta
-                        })
-                        .sum::<f64>();
+        let shape_at_centre = shape_values(cell_type, centre);
+        for m in 0..=MONOMIALS {
+            for node in 0..n {
+                // A shape function has its own slopes at the nodes and its own value at the centre.
+                let mut coefficient = fit.pixel[m][node] + fit.pixel[m][3 * n] * shape_at_centre[node];
+                for at in 0..n {
+                    let [xi, eta] = fit.gradients[at][node];
+                    coefficient += fit.pixel[m][n + at] * xi + fit.pixel[m][2 * n + at] * eta;
+                }
+                fit.shape[m][node] = coefficient;
             }
         }
-        let check = match cell_type {
-            CellType::Quad | CellType::Quad8 => [0.0, 0.0],
-            CellType::Quad9 => [0.5, 0.5],
-            CellType::Triangle | CellType::Triangle6 => [1.0 / 3.0, 1.0 / 3.0],
-        };
+        let check = if cell_type.is_triangle() { [0.5, 0.25] } else { [0.5, 0.5] };
+        fit.centre_shape = shape_at_centre;
         fit.check_monomials = monomials(check);
         fit.check_shape = shape_values(cell_type, check);
         fit
@@ -184,7 +194,7 @@ impl Expansion {
                 jacobian[entry][0] = nodes[0].jacobian[entry / 2][entry % 2];
             }
         } else {
-            fit.expand(nodes, origin, &mut coefficients);
+            fit.expand(nodes, camera, origin, &mut coefficients);
             jacobian = fit.expand_jacobian(nodes);
             if !fit.agrees(nodes, camera, origin, &coefficients, &jacobian) {
                 return None;
@@ -194,6 +204,7 @@ impl Expansion {
         Some(Self {
             origin: origin.map(|c| c as isize),
             pixel: coefficients.map(|c| c.map(|c| c as f32)),
+            remainder: coefficients.map(|c| [1, 2].map(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
             terms,
             jacobian: jacobian.map(|c| c.map(|c| c as f32)),
         })
@@ -201,9 +212,17 @@ impl Expansion {
 }
 
 impl Fit {
-    fn expand(&self, nodes: &[NodeView], origin: [f64; 2], coefficients: &mut [[f64; MONOMIALS + 1]; 2]) {
+    fn expand(
+        &self,
+        nodes: &[NodeView],
+        camera: &dyn Camera,
+        origin: [f64; 2],
+        coefficients: &mut [[f64; MONOMIALS + 1]; 2],
+    ) {
         let n = self.num_nodes;
         let mut data = [[0.0; DATA]; 2];
+        let centre = camera.project(interpolate(&self.centre_shape, nodes));
+        (0..2).for_each(|c| data[c][3 * n] = centre[c] - origin[c]);
         for (a, node) in nodes.iter().enumerate() {
             let mut tangents = [[0.0; 3]; 2];
             for (gradient, other) in self.gradients[a].iter().zip(nodes) {
@@ -221,7 +240,7 @@ impl Fit {
         }
         for (m, row) in self.pixel.iter().enumerate() {
             for c in 0..2 {
-                coefficients[c][m] = row[..3 * n].iter().zip(&data[c]).map(|(r, d)| r * d).sum();
+                coefficients[c][m] = row[..=3 * n].iter().zip(&data[c]).map(|(r, d)| r * d).sum();
             }
         }
     }
@@ -245,11 +264,7 @@ impl Fit {
         coefficients: &[[f64; MONOMIALS + 1]; 2],
         jacobian: &[[f64; 3]; 4],
     ) -> bool {
-        let mut place = [0.0; 3];
-        for (shape, node) in self.check_shape.iter().zip(nodes) {
-            (0..3).for_each(|d| place[d] += shape * node.place[d]);
-        }
-        let (seen, true_jacobian) = camera.project_with_jacobian(place);
+        let (seen, true_jacobian) = camera.project_with_jacobian(interpolate(&self.check_shape, nodes));
         let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
         (0..2).all(|c| {
             let monomials = coefficients[c][1..].iter().zip(&self.check_monomials);
@@ -263,11 +278,63 @@ impl Fit {
     }
 }
 
+fn interpolate(shape: &[f64; MAX_NODES], nodes: &[NodeView]) -> [f64; 3] {
+    let mut place = [0.0; 3];
+    for (shape, node) in shape.iter().zip(nodes) {
+        (0..3).for_each(|d| place[d] += shape * node.place[d]);
+    }
+    place
+}
+
 /// The fewest monomials, up to a whole degree, beyond which coefficients add up to nothing: a monomial is at most one.
 fn worth_adding(coefficients: &[[f64; MONOMIALS + 1]; 2]) -> usize {
     let rest = |terms: usize| {
         let beyond = |c: &[f64; MONOMIALS + 1]| c[terms + 1..].iter().map(|c| c.abs()).sum::<f64>();
         coefficients.iter().map(beyond).fold(0.0, f64::max)
     };
-    UP_TO_DEGREE.into_iter().find(|&terms| rest(terms) <= TOLERANCE).unwrap_or(MONOMIALS)
+    UP_TO_DEGREE.into_iter().find(|&terms| rest(terms) <= NEGLIGIBLE).unwrap_or(MONOMIALS)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use fedic_camera::{BrownDistortion, Pinhole, rotation_from_vector};
+    use fedic_mesh::map;
+
+    use super::*;
+
+    fn tilted(focal: f64, radial: f64) -> Pinhole {
+        let lens = BrownDistortion::new([radial, 0.05, 0.0], [1e-3, -5e-4], [1e-4, 0.0]).unwrap();
+        let rotation = rotation_from_vector([std::f64::consts::PI, 0.1, 0.0]);
+        Pinhole::new([focal; 2], [500.0, 400.0], rotation, [0.0, 0.0, focal]).unwrap().with_distortion(lens)
+    }
+
+    #[test]
+    fn dbg() {
+        for (focal, radial) in [(8381.0, -0.032), (1400.0, -0.2)] {
+            let camera = tilted(focal, radial);
+            for cell in CellType::ALL {
+                for size in [5.0, 10.0, 20.0] {
+                let n = cell.num_nodes();
+                let nodes: Vec<[f64; 3]> = cell.reference_nodes().iter().enumerate().map(|(i, [x, y])| [300.0 + size * x + 0.01 * (i as f64 * 1.7).sin(), -200.0 + size * y+ 0.01 * (i as f64 * 2.7).sin(), 0.0]).collect();
+                let views: Vec<NodeView> = nodes.iter().map(|&place| { let (pixel, jacobian) = camera.project_with_jacobian(place); NodeView { place, pixel, jacobian } }).collect();
+                let fit = Fit::of(cell);
+                let origin = views[0].pixel.map(f64::round);
+                let mut c = [[0.0; MONOMIALS + 1]; 2];
+                fit.expand(&views, &camera, origin, &mut c);
+                let j = fit.expand_jacobian(&views);
+                let mut worst = [0.0_f64; 2];
+                for i in 0..=10 { for k in 0..=10 {
+                    let (x, y) = (i as f64 / 10.0, k as f64 / 10.0);
+                    let at = if cell.is_triangle() { if x + y > 1.0 { continue } [x, y] } else { [2.0 * x - 1.0, 2.0 * y - 1.0] };
+                    let (p, jac) = camera.project_with_jacobian(map(cell, &nodes, at));
+                    let m = monomials(at);
+                    for d in 0..2 { let e = origin[d] + c[d][0] + (0..MONOMIALS).map(|q| c[d][q + 1] * m[q]).sum::<f64>() - p[d]; worst[0] = worst[0].max(e.abs()); }
+                    for e in 0..4 { worst[1] = worst[1].max((j[e][0] + j[e][1] * at[0] + j[e][2] * at[1] - jac[e / 2][e % 2]).abs()); }
+                } }
+                println!("{focal} {cell} {n} size {size}: {worst:?} {}", Expansion::new(cell, &views, &camera).map_or(99, |e| e.terms));
+            } }
+        }
+    }
 }

@@ -51,9 +51,18 @@ impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
             factors_u[m] = simd.splat_f32s(expansion.pixel[0][m + 1]);
             factors_v[m] = simd.splat_f32s(expansion.pixel[1][m + 1]);
         }
+        let mut remainders = [[constant_u; 2]; 2];
+        for c in 0..2 {
+            for m in 0..2 {
+                remainders[c][m] = simd.splat_f32s(expansion.remainder[c][m]);
+            }
+        }
         for k in 0..u.len().min(v.len()) {
-            let (mut at_u, mut at_v) = (constant_u, constant_v);
-            for m in 0..TERMS {
+            let (xi, eta) = (powers[0][k], powers[1][k]);
+            // From the least terms to the greatest, so that the sum is rounded once.
+            let mut at_u = simd.mul_add_e_f32s(eta, remainders[0][1], simd.mul_add_e_f32s(xi, remainders[0][0], constant_u));
+            let mut at_v = simd.mul_add_e_f32s(eta, remainders[1][1], simd.mul_add_e_f32s(xi, remainders[1][0], constant_v));
+            for m in (0..TERMS).rev() {
                 let power = powers[m][k];
                 at_u = simd.mul_add_e_f32s(power, factors_u[m], at_u);
                 at_v = simd.mul_add_e_f32s(power, factors_v[m], at_v);
