@@ -1,7 +1,6 @@
 //! Reading an image at many points: block by block, one step at a time over the whole block, with the best instructions that
 //! the processor has.
 
-
 use pulp::Simd;
 
 use crate::coefficients::Coefficients;
@@ -77,14 +76,15 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         let mut weights = [[[0.0; BLOCK]; TAPS]; 4];
         let mut readings = [[0.0; BLOCK]; READINGS];
         for start in (0..self.out[0].len()).step_by(BLOCK) {
-            let block = start..self.out[0].len().min(start + BLOCK);
+            let end = self.out[0].len().min(start + BLOCK);
             match self.points {
-                Points::Absolute(u, v) => places.locate(self.grid, &u[block.clone()], &v[block.clone()]),
-                Points::Near(origin, u, v) if inside => {
-                    places.locate_near(self.grid, origin, &padded(&u[block.clone()]), &padded(&v[block.clone()]));
-                }
+                Points::Absolute(u, v) => places.locate(self.grid, &u[start..end], &v[start..end]),
+                Points::Near(origin, u, v) if inside => match (u[start..].first_chunk(), v[start..].first_chunk()) {
+                    (Some(u), Some(v)) => places.locate_near(self.grid, origin, u, v),
+                    _ => places.locate_near(self.grid, origin, &padded(&u[start..end]), &padded(&v[start..end])),
+                },
                 Points::Near(origin, u, v) => {
-                    let (u, v) = (padded(&u[block.clone()]), padded(&v[block.clone()]));
+                    let (u, v) = (padded(&u[start..end]), padded(&v[start..end]));
                     let (mut absolute_u, mut absolute_v) = ([0.0; BLOCK], [0.0; BLOCK]);
                     for k in 0..BLOCK {
                         absolute_u[k] = origin[0] as f64 + f64::from(u[k]);
@@ -95,7 +95,10 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
             }
             self.read_block(&places, &mut weights, &mut readings);
             for (out, reading) in self.out.iter_mut().zip(&readings) {
-                out[block.clone()].copy_from_slice(&reading[..block.len()]);
+                match out[start..].first_chunk_mut() {
+                    Some(out) => *out = *reading,
+                    None => out[start..end].copy_from_slice(&reading[..end - start]),
+                }
             }
         }
     }

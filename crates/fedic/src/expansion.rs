@@ -82,11 +82,11 @@ pub(crate) fn monomials([xi, eta]: [f64; 2]) -> [f64; MONOMIALS] {
 /// The linear maps from what is known at the nodes of a cell to the coefficients.
 struct Fit {
     num_nodes: usize,
-    /// Row `m` gives the coefficient of monomial `m - 1` (0: the constant).
-    pixel: [[f64; DATA]; MONOMIALS + 1],
-    /// The same from the values at the nodes alone: what the shape functions are made of.
-    shape: [[f64; MAX_NODES]; MONOMIALS + 1],
-    jacobian: [[f64; MAX_NODES]; 3],
+    /// What each datum adds to the coefficients: of the constant, then of each monomial.
+    pixel: [[f64; MONOMIALS + 1]; DATA],
+    /// The same of the values at the nodes alone: what the shape functions are made of.
+    shape: [[f64; MONOMIALS + 1]; MAX_NODES],
+    jacobian: [[f64; 3]; MAX_NODES],
     /// Derivatives of the shape functions at each node.
     gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
     centre_shape: [f64; MAX_NODES],
@@ -123,9 +123,9 @@ impl Fit {
         });
         let mut fit = Self {
             num_nodes: n,
-            pixel: [[0.0; DATA]; MONOMIALS + 1],
-            shape: [[0.0; MAX_NODES]; MONOMIALS + 1],
-            jacobian: [[0.0; MAX_NODES]; 3],
+            pixel: [[0.0; MONOMIALS + 1]; DATA],
+            shape: [[0.0; MONOMIALS + 1]; MAX_NODES],
+            jacobian: [[0.0; 3]; MAX_NODES],
             gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
             centre_shape: [0.0; MAX_NODES],
             check_monomials: [0.0; MONOMIALS],
@@ -136,7 +136,7 @@ impl Fit {
             let mut unit = DVector::zeros(3 * n + 1);
             unit[datum] = 1.0;
             if let Ok(column) = svd.solve(&unit, RANK) {
-                used.iter().zip(column.iter()).for_each(|(&m, &value)| fit.pixel[m][datum] = value);
+                used.iter().zip(column.iter()).for_each(|(&m, &value)| fit.pixel[datum][m] = value);
             }
         }
         let linear = DMatrix::from_fn(n, 3, |row, column| [1.0, nodes[row][0], nodes[row][1]][column]).svd(true, true);
@@ -144,7 +144,7 @@ impl Fit {
             let mut unit = DVector::zeros(n);
             unit[node] = 1.0;
             if let Ok(column) = linear.solve(&unit, RANK) {
-                (0..3).for_each(|m| fit.jacobian[m][node] = column[m]);
+                (0..3).for_each(|m| fit.jacobian[node][m] = column[m]);
             }
             fit.gradients[node] = shape_gradients(cell_type, nodes[node]);
         }
@@ -152,12 +152,12 @@ impl Fit {
         for m in 0..=MONOMIALS {
             for node in 0..n {
                 // A shape function has its own slopes at the nodes and its own value at the centre.
-                let mut coefficient = fit.pixel[m][node] + fit.pixel[m][3 * n] * shape_at_centre[node];
+                let mut coefficient = fit.pixel[node][m] + fit.pixel[3 * n][m] * shape_at_centre[node];
                 for at in 0..n {
                     let [xi, eta] = fit.gradients[at][node];
-                    coefficient += fit.pixel[m][n + at] * xi + fit.pixel[m][2 * n + at] * eta;
+                    coefficient += fit.pixel[n + at][m] * xi + fit.pixel[2 * n + at][m] * eta;
                 }
-                fit.shape[m][node] = coefficient;
+                fit.shape[node][m] = coefficient;
             }
         }
         let check = if cell_type.is_triangle() { [0.5, 0.25] } else { [0.5, 0.5] };
@@ -185,9 +185,9 @@ impl Expansion {
         let mut coefficients = [[0.0; MONOMIALS + 1]; 2];
         let mut jacobian = [[0.0; 3]; 4];
         if constant {
-            for c in 0..2 {
-                for (coefficient, row) in coefficients[c].iter_mut().zip(&fit.shape) {
-                    *coefficient = nodes.iter().zip(row).map(|(node, r)| r * (node.pixel[c] - origin[c])).sum();
+            for (node, shares) in nodes.iter().zip(&fit.shape) {
+                for c in 0..2 {
+                    add_scaled(&mut coefficients[c], node.pixel[c] - origin[c], shares);
                 }
             }
             for entry in 0..4 {
@@ -238,18 +238,18 @@ impl Fit {
                 data[c][2 * n + a] = x * tangents[1][0] + y * tangents[1][1] + z * tangents[1][2];
             }
         }
-        for (m, row) in self.pixel.iter().enumerate() {
+        for (datum, shares) in self.pixel[..=3 * n].iter().enumerate() {
             for c in 0..2 {
-                coefficients[c][m] = row[..=3 * n].iter().zip(&data[c]).map(|(r, d)| r * d).sum();
+                add_scaled(&mut coefficients[c], data[c][datum], shares);
             }
         }
     }
 
     fn expand_jacobian(&self, nodes: &[NodeView]) -> [[f64; 3]; 4] {
         let mut jacobian = [[0.0; 3]; 4];
-        for (entry, coefficients) in jacobian.iter_mut().enumerate() {
-            for (coefficient, row) in coefficients.iter_mut().zip(&self.jacobian) {
-                *coefficient = nodes.iter().zip(row).map(|(node, r)| r * node.jacobian[entry / 2][entry % 2]).sum();
+        for (node, shares) in nodes.iter().zip(&self.jacobian) {
+            for entry in 0..4 {
+                add_scaled(&mut jacobian[entry], node.jacobian[entry / 2][entry % 2], shares);
             }
         }
         jacobian
@@ -275,6 +275,12 @@ impl Fit {
             let expanded = constant + xi * self.check_monomials[0] + eta * self.check_monomials[1];
             (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= JACOBIAN_TOLERANCE * size
         })
+    }
+}
+
+fn add_scaled<const N: usize>(sum: &mut [f64; N], factor: f64, shares: &[f64; N]) {
+    for (sum, share) in sum.iter_mut().zip(shares) {
+        *sum += factor * share;
     }
 }
 

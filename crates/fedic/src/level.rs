@@ -67,9 +67,9 @@ impl Level {
         }
         let quadrature = CellQuadrature::new(mesh, camera.as_ref(), settings.quadrature)?;
         let num_points = quadrature.num_points();
-        let (scales, varying) = weighing(mesh, &quadrature, !settings.whole_mesh);
-        let mut points = Points::zeros(&quadrature, scales.clone(), varying)
-            .ok_or(SolveError::TooManyPoints { points: num_points })?;
+        let weighing = weighing(mesh, &quadrature, !settings.whole_mesh);
+        let mut points =
+            Points::zeros(&quadrature, &weighing).ok_or(SolveError::TooManyPoints { points: num_points })?;
         let views = node_views(mesh, camera.as_ref(), None);
         let reader = ReferenceReader {
             mesh,
@@ -86,7 +86,7 @@ impl Level {
         let mut outside = Vec::new();
         let mut brightness = [(); 2].map(|()| vec![0.0; system.pattern.num_dofs()]);
         for_each_cell(
-            points.cells_mut().zip(scales),
+            points.cells_mut(),
             monitor,
             |work, cell, (rows, scale)| reader.read_cell(work, cell, rows, scale),
             |cell, read| {

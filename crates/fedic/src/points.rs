@@ -3,19 +3,27 @@
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::PADDING;
 
-/// Rows of one number per point, those of a cell together: grey level, gradient along `u` and along `v`, and the weight where
-/// it varies over the cell. Rows are padded with zeros: a point costs 12 bytes, or 16.
+/// One number per point, those of a cell side by side and padded with zeros: a point costs 12 bytes, or 16. The numbers of one kind
+/// lie together over all cells, so that memory is read straight on.
 #[derive(Debug, Clone)]
 pub(crate) struct Points {
-    data: Vec<f32>,
-    /// Where the rows of each cell begin.
-    starts: Vec<usize>,
-    /// What multiplies the weights of each cell.
-    scales: Vec<f64>,
-    varying: Vec<bool>,
+    value: Vec<f32>,
+    gradient: [Vec<f32>; 2],
+    /// Of the cells whose weights vary.
+    weights: Vec<f32>,
+    cells: Vec<CellEntry>,
 }
 
-/// The rows of one cell.
+#[derive(Debug, Clone, Copy)]
+struct CellEntry {
+    first: usize,
+    first_weight: usize,
+    padded: usize,
+    varying: bool,
+    scale: f64,
+}
+
+/// What is kept of the points of one cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CellPoints<'a> {
     /// `f(P(X))`.
@@ -36,44 +44,50 @@ pub(crate) struct CellPointsMut<'a> {
 }
 
 impl Points {
-    /// Room for the points of every cell; `scales` are what multiplies its weights, `varying` says whether it has some.
-    pub(crate) fn zeros(quadrature: &CellQuadrature, scales: Vec<f64>, varying: Vec<bool>) -> Option<Self> {
-        let mut starts = Vec::with_capacity(varying.len() + 1);
-        let mut end = 0;
-        starts.push(0);
-        for (cell, &varying) in varying.iter().enumerate() {
-            end += quadrature.range(cell).len().next_multiple_of(PADDING) * (3 + usize::from(varying));
-            starts.push(end);
+    /// Room for the points of every cell, of which `weighing` gives what multiplies the weights and whether they vary; `None`
+    /// where there is not enough.
+    pub(crate) fn zeros(quadrature: &CellQuadrature, weighing: &[(f64, bool)]) -> Option<Self> {
+        let (mut first, mut first_weight) = (0, 0);
+        let mut cells = Vec::with_capacity(weighing.len());
+        for (cell, &(scale, varying)) in weighing.iter().enumerate() {
+            let padded = quadrature.range(cell).len().next_multiple_of(PADDING);
+            cells.push(CellEntry { first, first_weight, padded, varying, scale });
+            first += padded;
+            first_weight += if varying { padded } else { 0 };
         }
-        // Only a zeroed allocation leaves its pages to the threads that fill them; it is asked for once known to fit.
-        Vec::<f32>::new().try_reserve_exact(end).ok()?;
-        Some(Self { data: vec![0.0; end], starts, scales, varying })
+        // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
+        Vec::<f32>::new().try_reserve_exact(3 * first + first_weight).ok()?;
+        let zeros = || vec![0.0; first];
+        Some(Self { value: zeros(), gradient: [zeros(), zeros()], weights: vec![0.0; first_weight], cells })
     }
 
-    /// The rows of every cell.
-    pub(crate) fn cells_mut(&mut self) -> impl Iterator<Item = CellPointsMut<'_>> {
-        let mut rest = self.data.as_mut_slice();
-        self.starts.windows(2).zip(&self.varying).map(move |(ends, &varying)| {
-            let (rows, after) = std::mem::take(&mut rest).split_at_mut(ends[1] - ends[0]);
-            rest = after;
-            let padded = rows.len() / (3 + usize::from(varying));
-            let (value, rows) = rows.split_at_mut(padded);
-            let (along_u, rows) = rows.split_at_mut(padded);
-            let (along_v, weights) = rows.split_at_mut(padded);
-            CellPointsMut { value, gradient: [along_u, along_v], weights: varying.then_some(weights) }
+    /// The numbers of every cell, and what multiplies its weights.
+    pub(crate) fn cells_mut(&mut self) -> impl Iterator<Item = (CellPointsMut<'_>, f64)> {
+        let [along_u, along_v] = &mut self.gradient;
+        let mut rows = [&mut self.value, along_u, along_v, &mut self.weights].map(Vec::as_mut_slice);
+        self.cells.iter().map(move |cell| {
+            let mut take = |row: usize, count: usize| {
+                let (taken, rest) = std::mem::take(&mut rows[row]).split_at_mut(count);
+                rows[row] = rest;
+                taken
+            };
+            let value = take(0, cell.padded);
+            let gradient = [take(1, cell.padded), take(2, cell.padded)];
+            let weights = cell.varying.then(|| take(3, cell.padded));
+            (CellPointsMut { value, gradient, weights }, cell.scale)
         })
     }
 
-    /// The rows of one cell.
+    /// The numbers of one cell.
     pub(crate) fn cell(&self, cell: usize) -> CellPoints<'_> {
-        let rows = &self.data[self.starts[cell]..self.starts[cell + 1]];
-        let padded = rows.len() / (3 + usize::from(self.varying[cell]));
-        let row = |index: usize| &rows[index * padded..(index + 1) * padded];
+        let CellEntry { first, first_weight, padded, varying, scale } = self.cells[cell];
+        let [along_u, along_v] = &self.gradient;
+        let points = first..first + padded;
         CellPoints {
-            value: row(0),
-            gradient: [row(1), row(2)],
-            weights: self.varying[cell].then(|| row(3)),
-            scale: self.scales[cell],
+            value: &self.value[points.clone()],
+            gradient: [&along_u[points.clone()], &along_v[points]],
+            weights: varying.then(|| &self.weights[first_weight..first_weight + padded]),
+            scale,
         }
     }
 }

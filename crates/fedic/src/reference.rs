@@ -165,7 +165,7 @@ impl ReferenceReader<'_> {
 
 /// What multiplies the weights of each cell, and whether they vary over it: they do where its map is not affine, and where points
 /// may be dropped.
-pub(crate) fn weighing(mesh: &Mesh, quadrature: &CellQuadrature, may_drop: bool) -> (Vec<f64>, Vec<bool>) {
+pub(crate) fn weighing(mesh: &Mesh, quadrature: &CellQuadrature, may_drop: bool) -> Vec<(f64, bool)> {
     let weighing = |cell: usize| {
         let Some(area) = quadrature.part_area(cell) else { return (1.0, may_drop) };
         let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
@@ -174,7 +174,7 @@ pub(crate) fn weighing(mesh: &Mesh, quadrature: &CellQuadrature, may_drop: bool)
         let varying = may_drop || cell_type.reference_nodes().iter().any(differs);
         (if varying { area } else { area * centre }, varying)
     };
-    (0..mesh.num_cells()).into_par_iter().map(weighing).unzip()
+    (0..mesh.num_cells()).into_par_iter().map(weighing).collect()
 }
 
 /// Mean grey level at some nodes: any number near the mean serves as pivot.
