@@ -37,7 +37,7 @@ const Y4: usize = 14;
 /// Largest difference from the camera, in pixels.
 const TOLERANCE: f64 = 1e-6;
 /// Coefficients that add up to less than this, in pixels, are left out.
-const NEGLIGIBLE: f64 = 1e-7;
+const NEGLIGIBLE: f64 = 5e-7;
 /// Largest difference from the camera's Jacobian, relative: it only weighs residuals.
 const JACOBIAN_TOLERANCE: f64 = 1e-4;
 
