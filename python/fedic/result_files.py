@@ -14,6 +14,7 @@ from fedic._types import Floats
 from fedic.errors import FedicError
 from fedic.files import replacing, write_json
 from fedic.result import Result
+from fedic.vtu import write_vtu
 
 __all__ = ["summary", "write_result"]
 
@@ -39,8 +40,8 @@ def write_result(result: Result, path: Path) -> Path:
         If the suffix is another, or the file cannot be written.
     """
     writers: dict[str, Callable[[Result, Path], None]] = {
-        ".vtu": _write_mesh_file,
-        ".vtk": _write_mesh_file,
+        ".vtu": _write_vtu,
+        ".vtk": _write_vtk,
         ".npz": _write_arrays,
         ".json": _write_summary,
     }
@@ -111,28 +112,36 @@ def _write_arrays(result: Result, path: Path) -> None:
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
-def _write_mesh_file(result: Result, path: Path) -> None:
+def _write_vtu(result: Result, path: Path) -> None:
+    point_data, cell_data = _fields(result)
+    with replacing(path) as temporary:
+        write_vtu(temporary, _three_components(result.mesh.points), result.mesh.cells, point_data, cell_data)
+
+
+def _write_vtk(result: Result, path: Path) -> None:
     import meshio
 
-    mesh = result.mesh
-    blocks = list(mesh.cells.items())
+    blocks = list(result.mesh.cells.items())
     splits = np.cumsum([len(nodes) for _, nodes in blocks])[:-1]
-    exx, eyy, exy = result.strains().T
-    cell_fields = {"strain_xx": exx, "strain_yy": eyy, "strain_xy": exy, "residual": result.cell_residuals}
+    point_data, cell_data = _fields(result)
     content = meshio.Mesh(
-        _three_components(mesh.points),
+        _three_components(result.mesh.points),
         blocks,
-        point_data={
-            "displacement": _three_components(result.displacement),
-            "displacement_px": _three_components(result.pixel_displacement),
-        },
-        cell_data={name: np.split(np.ascontiguousarray(values), splits) for name, values in cell_fields.items()},
+        point_data=point_data,
+        cell_data={name: np.split(np.ascontiguousarray(values), splits) for name, values in cell_data.items()},
     )
-    options: dict[str, Any] = {"file_format": path.suffix.lower().removeprefix("."), "binary": True}
-    if options["file_format"] == "vtu":
-        options["compression"] = None
     with replacing(path) as temporary, contextlib.redirect_stderr(io.StringIO()):
-        meshio.write(temporary, content, **options)
+        meshio.write(temporary, content, file_format="vtk", binary=True)
+
+
+def _fields(result: Result) -> tuple[dict[str, Floats], dict[str, Floats]]:
+    """Return what a mesh file says of the nodes and of the cells."""
+    exx, eyy, exy = result.strains().T
+    point_data = {
+        "displacement": _three_components(result.displacement),
+        "displacement_px": _three_components(result.pixel_displacement),
+    }
+    return point_data, {"strain_xx": exx, "strain_yy": eyy, "strain_xy": exy, "residual": result.cell_residuals}
 
 
 def _three_components(vectors: Floats) -> Floats:

@@ -1,0 +1,72 @@
+"""Writing a surface mesh with fields for ParaView.
+
+The format is small and importing a library that knows forty others takes longer than a measurement of five megapixels spends
+outside its iterations: 60 ms against 3.
+"""
+
+import base64
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["write_vtu"]
+
+_CELL_TYPES = {"triangle": 5, "quad": 9, "triangle6": 22, "quad8": 23, "quad9": 28}
+_TYPE_NAMES = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
+
+Array = NDArray[Any]
+
+
+def write_vtu(
+    path: Path,
+    points: Array,
+    cells: Mapping[str, Array],
+    point_data: Mapping[str, Array],
+    cell_data: Mapping[str, Array],
+) -> None:
+    """Write an unstructured grid in VTK's XML format, its numbers in base64.
+
+    Parameters
+    ----------
+    path : Path
+        The file to write.
+    points : (n, 3) float64
+        Nodes.
+    cells : dict
+        Nodes of the cells, (m, k) integers by meshio's name of the type.
+    point_data, cell_data : dict
+        Fields by name (letters and underscores): (n,) or (n, 3) float64 on the nodes, (m,) on the cells, those of one type after the other.
+    """
+    counts = {name: nodes.shape for name, nodes in cells.items()}
+    sizes = np.concatenate([np.full(count, size) for count, size in counts.values()]).astype("<i8")
+    types = np.concatenate([np.full(count, _CELL_TYPES[name]) for name, (count, _) in counts.items()]).astype("u1")
+    connectivity = np.concatenate([nodes.ravel() for nodes in cells.values()]).astype("<i8")
+    grid = [
+        ("PointData", point_data.items()),
+        ("CellData", cell_data.items()),
+        ("Points", [("Points", points)]),
+        ("Cells", [("connectivity", connectivity), ("offsets", np.cumsum(sizes)), ("types", types)]),
+    ]
+    with path.open("wb") as file:
+        file.write(b'<?xml version="1.0"?>\n')
+        file.write(b'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
+        file.write(b"<UnstructuredGrid>\n")
+        file.write(f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(sizes)}">\n'.encode())
+        for section, arrays in grid:
+            file.write(f"<{section}>\n".encode())
+            file.writelines(_data_arrays(arrays))
+            file.write(f"</{section}>\n".encode())
+        file.write(b"</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
+
+
+def _data_arrays(arrays: Iterable[tuple[str, Array]]) -> Iterable[bytes]:
+    for name, values in arrays:
+        numbers = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
+        components = f' NumberOfComponents="{numbers.shape[1]}"' if numbers.ndim > 1 else ""
+        kind = _TYPE_NAMES[numbers.dtype.str[1:]]
+        yield f'<DataArray type="{kind}" Name="{name}"{components} format="binary">\n'.encode()
+        yield base64.b64encode(np.uint64(numbers.nbytes).astype("<u8").tobytes() + numbers.tobytes())
+        yield b"\n</DataArray>\n"
