@@ -18,7 +18,10 @@ fn prefilter(c: &mut Criterion) {
             });
         }
         group.bench_function(format!("gaussian/{threads}"), |b| {
-            pool.install(|| b.iter(|| gaussian_filter(picture.view(), 1.0).unwrap()));
+            pool.install(|| b.iter(|| gaussian_filter(picture.view(), 0.8).unwrap()));
+        });
+        group.bench_function(format!("smoothed/{threads}"), |b| {
+            pool.install(|| b.iter(|| Interpolator::smoothed(picture.view(), Interpolation::Bspline5, 0.8).unwrap()));
         });
     }
     group.finish();

@@ -1,21 +1,26 @@
 //! What an interpolator reads: one coefficient per pixel, with a mirrored margin around them.
 //!
-//! The margin lets every stencil of the interpolation be read without asking whether it crosses the border. B-spline
-//! coefficients are computed band of rows by band of rows, down the columns first. A band reads the picture itself, a little
+//! The margin lets every stencil of the interpolation be read without asking whether it crosses the border. Coefficients are
+//! filtered band of rows by band of rows, down the columns first. A band reads the picture itself, a little
 //! above and below its own rows, and so depends on no other band: the influence of a sample dies out geometrically, and
-//! beyond [`Prefilter::warm_up`] rows it is below rounding. No second image is needed, and each band stays in cache.
+//! beyond [`LineFilter::warm_up`] rows it is below rounding. No second image is needed, and each band stays in cache.
 
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use crate::line_filter::LineFilter;
 use crate::mirror::{mirror, mirror_ends};
-use crate::prefilter::{LANES, Prefilter};
+use crate::prefilter::LANES;
 use crate::view::ImageView;
 
 /// Rows and columns added on each side: enough for six taps half a pixel outside the outermost centres.
 pub(crate) const PADDING: usize = 3;
 
+/// Numbers after the last row, so that eight can be read where six are needed.
+const SLACK: usize = 2;
+
 /// Rows filtered by one task.
-const BAND: usize = 128;
+const BAND: usize = 256;
 
 /// Coefficients of an image, row after row; that of pixel `(u, v)` is at row `v + PADDING`, column `u + PADDING`.
 #[derive(Clone)]
@@ -33,13 +38,10 @@ impl Coefficients {
         })
     }
 
-    /// Those of the B-spline through the grey levels.
-    pub(crate) fn bspline(view: ImageView<'_>, prefilter: &Prefilter) -> Self {
+    /// Those of the interpolant through the grey levels, filtered along each direction.
+    pub(crate) fn filtered(view: ImageView<'_>, filter: &LineFilter<'_>) -> Self {
         let stride = view.width() + 2 * PADDING;
-        Self::by_bands(view, BAND, |v, band| {
-            filter_columns(view, prefilter, v, band, stride);
-            filter_rows(prefilter, band, stride);
-        })
+        Self::by_bands(view, BAND, |v, band| run(FilterBand { view, filter, first: v, band, stride }))
     }
 
     /// Columns including the margin.
@@ -57,7 +59,7 @@ impl Coefficients {
     /// above and below.
     fn by_bands(view: ImageView<'_>, band: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let (stride, height) = (view.width() + 2 * PADDING, view.height());
-        let mut data = vec![0.0; stride * (height + 2 * PADDING) + 4];
+        let mut data = vec![0.0; stride * (height + 2 * PADDING) + SLACK];
         data[PADDING * stride..(PADDING + height) * stride]
             .par_chunks_mut(band * stride)
             .enumerate()
@@ -71,42 +73,108 @@ impl Coefficients {
     }
 }
 
+/// Filters one band: down its columns, then along its rows.
+struct FilterBand<'a> {
+    view: ImageView<'a>,
+    filter: &'a LineFilter<'a>,
+    /// Row of the image that the band begins with.
+    first: usize,
+    band: &'a mut [f32],
+    stride: usize,
+}
+
+impl WithSimd for FilterBand<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        filter_columns(self.view, self.filter, self.first, self.band, self.stride);
+        filter_rows(self.filter, self.band, self.stride);
+    }
+}
+
 /// Fills the interior columns of `band`, whose first row is row `first` of the image, with the picture filtered down its
 /// columns.
-fn filter_columns(view: ImageView<'_>, prefilter: &Prefilter, first: usize, band: &mut [f32], stride: usize) {
-    let above = prefilter.warm_up().min(first);
-    let rows = (first - above)..(first + band.len() / stride + prefilter.warm_up()).min(view.height());
+#[inline(always)]
+fn filter_columns(view: ImageView<'_>, filter: &LineFilter<'_>, first: usize, band: &mut [f32], stride: usize) {
+    let above = filter.warm_up().min(first);
+    let rows = (first - above)..(first + band.len() / stride + filter.warm_up()).min(view.height());
+    let radius = filter.radius();
+    let mut samples = vec![[0.0; LANES]; rows.len() + 2 * radius];
     let mut lines = vec![[0.0; LANES]; rows.len()];
-    for u in (0..view.width()).step_by(LANES) {
+    let mut u = 0;
+    while u < view.width() {
         let lanes = LANES.min(view.width() - u);
-        for (v, line) in rows.clone().zip(&mut lines) {
-            view.read_segment(v, u, &mut line[..lanes]);
+        for (index, sample) in samples.iter_mut().enumerate() {
+            let v = mirror((rows.start + index) as isize - radius as isize, view.height());
+            view.read_segment(v, u, &mut sample[..lanes]);
         }
-        prefilter.apply(&mut lines);
+        filter.apply(&samples, &mut lines);
         for (row, line) in band.chunks_exact_mut(stride).zip(&lines[above..]) {
             row[PADDING + u..PADDING + u + lanes].copy_from_slice(&line[..lanes]);
         }
+        u += LANES;
     }
 }
 
 /// Filters `band` along its rows and mirrors their ends.
-fn filter_rows(prefilter: &Prefilter, band: &mut [f32], stride: usize) {
-    let interior = PADDING..stride - PADDING;
-    let mut lines = vec![[0.0; LANES]; interior.len()];
+#[inline(always)]
+fn filter_rows(filter: &LineFilter<'_>, band: &mut [f32], stride: usize) {
+    let (width, radius) = (stride - 2 * PADDING, filter.radius());
+    let mut samples = vec![[0.0; LANES]; width + 2 * radius];
+    let mut lines = vec![[0.0; LANES]; width];
     for rows in band.chunks_mut(LANES * stride) {
-        for (lane, row) in rows.chunks_exact(stride).enumerate() {
-            for (line, &value) in lines.iter_mut().zip(&row[interior.clone()]) {
-                line[lane] = value;
+        let count = rows.len() / stride;
+        for start in (0..width).step_by(LANES) {
+            let n = LANES.min(width - start);
+            let mut block = [[0.0; LANES]; LANES];
+            for lane in 0..count {
+                let first = lane * stride + PADDING + start;
+                block[lane][..n].copy_from_slice(&rows[first..first + n]);
+            }
+            let transposed = transpose(&block);
+            samples[radius + start..radius + start + n].copy_from_slice(&transposed[..n]);
+        }
+        for distance in 1..=radius {
+            samples[radius - distance] = samples[radius + mirror(-(distance as isize), width)];
+            samples[radius + width - 1 + distance] = samples[radius + mirror((width - 1 + distance) as isize, width)];
+        }
+        filter.apply(&samples, &mut lines);
+        for start in (0..width).step_by(LANES) {
+            let n = LANES.min(width - start);
+            let mut block = [[0.0; LANES]; LANES];
+            block[..n].copy_from_slice(&lines[start..start + n]);
+            let transposed = transpose(&block);
+            for lane in 0..count {
+                let first = lane * stride + PADDING + start;
+                rows[first..first + n].copy_from_slice(&transposed[lane][..n]);
             }
         }
-        prefilter.apply(&mut lines);
-        for (lane, row) in rows.chunks_exact_mut(stride).enumerate() {
-            for (line, value) in lines.iter().zip(&mut row[interior.clone()]) {
-                *value = line[lane];
-            }
-            mirror_ends(row, PADDING);
-        }
+        rows.chunks_exact_mut(stride).for_each(|row| mirror_ends(row, PADDING));
     }
+}
+
+/// Rows become columns. Neighbours are exchanged, then neighbouring pairs, fours and eights: whole vectors at a time.
+#[inline(always)]
+fn transpose(block: &[[f32; LANES]; LANES]) -> [[f32; LANES]; LANES] {
+    let mut block = *block;
+    let mut width = LANES / 2;
+    while width > 0 {
+        for row in (0..LANES).filter(|row| row & width == 0) {
+            for column in (0..LANES).filter(|column| column & width == 0) {
+                let kept = block[row][column + width];
+                block[row][column + width] = block[row + width][column];
+                block[row + width][column] = kept;
+            }
+        }
+        width /= 2;
+    }
+    block
+}
+
+/// Runs a filter with the best instructions that the processor has.
+fn run<O: WithSimd>(operation: O) -> O::Output {
+    Arch::new().dispatch(operation)
 }
 
 #[cfg(test)]
@@ -122,11 +190,14 @@ mod tests {
         let (width, height) = SIZE;
         let noise: Vec<f32> = (0..width * height).map(|i| (i * i * 7919 / 13 % 256) as f32).collect();
         let view = ImageView::of_checked(width, height, &noise);
-        for prefilter in [&CUBIC, &QUINTIC] {
-            let found = Coefficients::bspline(view, prefilter);
+        let bell = [0.5, 0.2, 0.05];
+        let filters = [(&[1.0][..], Some(&CUBIC)), (&[1.0], Some(&QUINTIC)), (&bell, Some(&QUINTIC)), (&bell, None)];
+        for (weights, prefilter) in filters {
+            let filter = LineFilter { weights, prefilter };
+            let found = Coefficients::filtered(view, &filter);
             let mut whole = vec![0.0; found.stride * height];
-            filter_columns(view, prefilter, 0, &mut whole, found.stride);
-            filter_rows(prefilter, &mut whole, found.stride);
+            filter_columns(view, &filter, 0, &mut whole, found.stride);
+            filter_rows(&filter, &mut whole, found.stride);
             for (found, expected) in found.data[PADDING * found.stride..].iter().zip(&whole) {
                 assert!((found - expected).abs() < 1e-3, "{found} {expected}");
             }

@@ -20,11 +20,7 @@ const TRUNCATE: f64 = 4.0;
 /// [`ImageError::InvalidSigma`] if `sigma` is negative, not a number, or larger than the image.
 pub fn gaussian_filter(view: ImageView<'_>, sigma: f64) -> Result<Image, ImageError> {
     let (width, height) = (view.width(), view.height());
-    let largest = width.max(height);
-    if !(0.0..=largest as f64).contains(&sigma) {
-        return Err(ImageError::InvalidSigma { sigma, largest });
-    }
-    let filter = SymmetricFilter::new(weights(sigma));
+    let filter = SymmetricFilter::new(gaussian_weights(view, sigma)?);
     let mut data = vec![0.0; width * height];
     data.par_chunks_mut(width)
         .enumerate()
@@ -32,13 +28,17 @@ pub fn gaussian_filter(view: ImageView<'_>, sigma: f64) -> Result<Image, ImageEr
     Ok(Image::of_checked(width, height, data))
 }
 
-/// The normalised weights at distance 0, 1, ... from the centre.
-fn weights(sigma: f64) -> Vec<f32> {
+/// The normalised weights at distance 0, 1, ... from the centre, of a filter no wider than the image.
+pub(crate) fn gaussian_weights(view: ImageView<'_>, sigma: f64) -> Result<Vec<f32>, ImageError> {
+    let largest = view.width().max(view.height());
+    if !(0.0..=largest as f64).contains(&sigma) {
+        return Err(ImageError::InvalidSigma { sigma, largest });
+    }
     let radius = (TRUNCATE * sigma + 0.5) as usize;
     if radius == 0 {
-        return vec![1.0];
+        return Ok(vec![1.0]);
     }
     let bell: Vec<f64> = (0..=radius).map(|distance| (-0.5 * (distance as f64 / sigma).powi(2)).exp()).collect();
     let total = 2.0 * bell.iter().sum::<f64>() - bell[0];
-    bell.into_iter().map(|weight| (weight / total) as f32).collect()
+    Ok(bell.into_iter().map(|weight| (weight / total) as f32).collect())
 }

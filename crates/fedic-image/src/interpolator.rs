@@ -3,8 +3,11 @@
 use std::fmt;
 
 use crate::coefficients::Coefficients;
+use crate::error::ImageError;
+use crate::gaussian::gaussian_weights;
 use crate::interpolation::Interpolation;
 use crate::kernel::{AnyKernel, BICUBIC, BILINEAR, BSPLINE3, BSPLINE5};
+use crate::line_filter::LineFilter;
 use crate::prefilter::{CUBIC, QUINTIC};
 use crate::reading::{Points, read};
 use crate::view::ImageView;
@@ -43,11 +46,30 @@ impl Interpolator {
     /// Prepares the image behind `view` for interpolation of this `kind`.
     #[must_use]
     pub fn new(view: ImageView<'_>, kind: Interpolation) -> Self {
-        let (kernel, coefficients) = match kind {
-            Interpolation::Bilinear => (AnyKernel::Two(BILINEAR), Coefficients::samples(view)),
-            Interpolation::Bicubic => (AnyKernel::Four(BICUBIC), Coefficients::samples(view)),
-            Interpolation::Bspline3 => (AnyKernel::Four(BSPLINE3), Coefficients::bspline(view, &CUBIC)),
-            Interpolation::Bspline5 => (AnyKernel::Six(BSPLINE5), Coefficients::bspline(view, &QUINTIC)),
+        Self::filtered(view, kind, &[1.0])
+    }
+
+    /// Prepares the image smoothed by a Gaussian of standard deviation `sigma`, in pixels: as [`new`](Self::new) does of the
+    /// image that [`gaussian_filter`](crate::gaussian_filter) returns, without holding it.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError::InvalidSigma`] if `sigma` is negative, not a number, or larger than the image.
+    pub fn smoothed(view: ImageView<'_>, kind: Interpolation, sigma: f64) -> Result<Self, ImageError> {
+        Ok(Self::filtered(view, kind, &gaussian_weights(view, sigma)?))
+    }
+
+    fn filtered(view: ImageView<'_>, kind: Interpolation, weights: &[f32]) -> Self {
+        let (kernel, prefilter) = match kind {
+            Interpolation::Bilinear => (AnyKernel::Two(BILINEAR), None),
+            Interpolation::Bicubic => (AnyKernel::Four(BICUBIC), None),
+            Interpolation::Bspline3 => (AnyKernel::Four(BSPLINE3), Some(&CUBIC)),
+            Interpolation::Bspline5 => (AnyKernel::Six(BSPLINE5), Some(&QUINTIC)),
+        };
+        let coefficients = if weights.len() == 1 && prefilter.is_none() {
+            Coefficients::samples(view)
+        } else {
+            Coefficients::filtered(view, &LineFilter { weights, prefilter })
         };
         Self { kind, kernel, width: view.width(), height: view.height(), coefficients }
     }

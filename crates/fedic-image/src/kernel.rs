@@ -27,8 +27,10 @@ pub(crate) enum AnyKernel {
 pub(crate) const BILINEAR: Kernel<1> = Kernel { even: [[0.5]], odd: [[-1.0]] };
 
 /// Keys' cubic convolution, `a = -1/2` (R. Keys, 1981): third order, exact on quadratics.
-pub(crate) const BICUBIC: Kernel<2> =
-    Kernel { even: [[-1.0 / 16.0, 1.0 / 4.0], [9.0 / 16.0, -1.0 / 4.0]], odd: [[1.0 / 8.0, -1.0 / 2.0], [-11.0 / 8.0, 1.5]] };
+pub(crate) const BICUBIC: Kernel<2> = Kernel {
+    even: [[-1.0 / 16.0, 1.0 / 4.0], [9.0 / 16.0, -1.0 / 4.0]],
+    odd: [[1.0 / 8.0, -1.0 / 2.0], [-11.0 / 8.0, 1.5]],
+};
 
 /// Cubic B-spline.
 pub(crate) const BSPLINE3: Kernel<2> = Kernel {

@@ -25,6 +25,7 @@ mod interpolation;
 mod interpolator;
 mod kernel;
 mod lanes;
+mod line_filter;
 mod mirror;
 mod places;
 mod prefilter;

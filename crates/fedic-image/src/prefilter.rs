@@ -5,7 +5,7 @@
 //! many lines are filtered side by side: a line of samples is a slice of lanes, one lane per line.
 
 /// Lines filtered together.
-pub(crate) const LANES: usize = 16;
+pub(crate) const LANES: usize = 32;
 
 /// What a truncated sum may lose, relative to the samples.
 const INITIAL_TOLERANCE: f64 = 1e-12;
@@ -31,6 +31,7 @@ impl Prefilter {
     }
 
     /// Replaces the samples of at least two per lane by their coefficients, mirror boundary at both ends.
+    #[inline(always)]
     pub(crate) fn apply(&self, lines: &mut [[f32; LANES]]) {
         for &pole in self.poles {
             apply_pole(pole, lines);
@@ -42,10 +43,12 @@ fn reach(pole: f64, tolerance: f64) -> usize {
     (tolerance.ln() / pole.abs().ln()).ceil() as usize
 }
 
+#[inline(always)]
 fn apply_pole(pole: f64, lines: &mut [[f32; LANES]]) {
     let gain = ((1.0 - pole) * (1.0 - 1.0 / pole)) as f32;
     let last_factor = (pole / (pole * pole - 1.0)) as f32;
-    let mut state = first_causal(pole, lines).map(|value| gain * value);
+    let mut state = first_causal(pole, lines);
+    state.iter_mut().for_each(|value| *value *= gain);
     let pole = pole as f32;
 
     let mut before_last = state;
@@ -74,6 +77,7 @@ fn apply_pole(pole: f64, lines: &mut [[f32; LANES]]) {
 
 /// State of the recursion down the line at its first sample: the sum of `pole^k` times sample `-k` of the mirrored line, over
 /// one period when the line is short, as far as it matters when it is long.
+#[inline(always)]
 fn first_causal(pole: f64, lines: &[[f32; LANES]]) -> [f32; LANES] {
     let last = lines.len() - 1;
     let period = 2 * last;

@@ -128,7 +128,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         let fits = |origin: isize, [low, high]: [f32; 2], size: usize| {
             origin as f64 + f64::from(low) >= -0.5 && origin as f64 + f64::from(high) <= size as f64 - 0.5
         };
-        fits(origin[0], extent(self.summation, u), self.grid.width) && fits(origin[1], extent(self.summation, v), self.grid.height)
+        fits(origin[0], extent(self.summation, u), self.grid.width)
+            && fits(origin[1], extent(self.summation, v), self.grid.height)
     }
 }
 
@@ -144,7 +145,8 @@ fn extent<S: Simd>(simd: S, numbers: &[f32]) -> [f32; 2] {
         high = simd.max_f32s(high, vector);
         zero = simd.mul_add_e_f32s(vector, simd.splat_f32s(0.0), zero);
     }
-    let (mut low, mut high, mut zero) = (simd.reduce_min_f32s(low), simd.reduce_max_f32s(high), simd.reduce_sum_f32s(zero));
+    let (mut low, mut high, mut zero) =
+        (simd.reduce_min_f32s(low), simd.reduce_max_f32s(high), simd.reduce_sum_f32s(zero));
     for &number in rest {
         (low, high) = (low.min(number), high.max(number));
         zero += 0.0 * number;

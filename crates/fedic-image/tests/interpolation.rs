@@ -195,3 +195,23 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn smoothing_on_the_way_is_smoothing_first() {
+    for (width, height) in [(5, 300), (43, 150), (157, 6)] {
+        let image = noise(width, height);
+        let u: Vec<f64> = (0..width * height).map(|index| (index % width) as f64 + 0.3).collect();
+        let v: Vec<f64> = (0..width * height).map(|index| (index / width) as f64 - 0.4).collect();
+        let (mut on_the_way, mut first) = (vec![0.0; u.len()], vec![0.0; u.len()]);
+        for kind in Interpolation::ALL {
+            for sigma in [0.0, 0.8, 2.1] {
+                Interpolator::smoothed(image.view(), kind, sigma).unwrap().values(&u, &v, &mut on_the_way);
+                let smooth = fedic_image::gaussian_filter(image.view(), sigma).unwrap();
+                Interpolator::new(smooth.view(), kind).values(&u, &v, &mut first);
+                for (a, b) in on_the_way.iter().zip(&first) {
+                    assert!((a - b).abs() < 1e-3, "{kind}, {sigma}, {width} x {height}: {a} {b}");
+                }
+            }
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use fedic_camera::Camera;
-use fedic_image::{Image, ImageView, downsample};
+use fedic_image::{Image, ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -11,7 +11,6 @@ use crate::gauss_newton::Iterations;
 use crate::level::{Level, LevelSettings};
 use crate::pyramid::Pyramid;
 use crate::residual::Evaluator;
-use crate::sampler::value_interpolator;
 use crate::system::System;
 use crate::{
     COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map, uncertainty,
@@ -139,7 +138,7 @@ impl Correlator {
         self.check_size(deformed)?;
         self.in_pool(|| {
             let displacement = self.system.restrict(displacement)?;
-            let interpolator = |view| value_interpolator(view, self.options.interpolation, self.options.prefilter);
+            let interpolator = |view| Interpolator::smoothed(view, self.options.interpolation, self.options.prefilter);
             let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
             residual_map::residual_map(&self.evaluator(&deformed), &reference, &displacement, monitor)
         })
@@ -192,7 +191,7 @@ impl Correlator {
                 self.pyramid(monitor)?.start(&self.system, deformed, self.options.brightness, &mut history, monitor)?
             }
         };
-        let interpolator = value_interpolator(deformed, self.options.interpolation, self.options.prefilter)?;
+        let interpolator = Interpolator::smoothed(deformed, self.options.interpolation, self.options.prefilter)?;
         let iterations = Iterations {
             level: 0,
             hessian: self.options.hessian,
@@ -239,7 +238,7 @@ impl Correlator {
         Ok(self.pyramid.get_or_init(Pyramid::empty))
     }
 
-    fn evaluator<'a>(&'a self, deformed: &'a fedic_image::Interpolator) -> Evaluator<'a> {
+    fn evaluator<'a>(&'a self, deformed: &'a Interpolator) -> Evaluator<'a> {
         Evaluator { system: &self.system, level: &self.level, deformed, brightness: self.options.brightness }
     }
 

@@ -11,22 +11,8 @@ use fedic_mesh::{CellType, MAX_NODES, shape_gradients, shape_values};
 use nalgebra::{DMatrix, DVector};
 
 /// Monomials `xi^i eta^j` besides the constant, by degree.
-const EXPONENTS: [[i32; 2]; MONOMIALS] = [
-    [1, 0],
-    [0, 1],
-    [2, 0],
-    [1, 1],
-    [0, 2],
-    [3, 0],
-    [2, 1],
-    [1, 2],
-    [0, 3],
-    [4, 0],
-    [3, 1],
-    [2, 2],
-    [1, 3],
-    [0, 4],
-];
+const EXPONENTS: [[i32; 2]; MONOMIALS] =
+    [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2], [3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
 /// Number of monomials up to degree 4, the constant left out.
 pub(crate) const MONOMIALS: usize = 14;
 /// Numbers of monomials up to each degree.
@@ -322,25 +308,62 @@ mod tests {
             let camera = tilted(focal, radial);
             for cell in CellType::ALL {
                 for size in [5.0, 10.0, 20.0] {
-                let n = cell.num_nodes();
-                let nodes: Vec<[f64; 3]> = cell.reference_nodes().iter().enumerate().map(|(i, [x, y])| [300.0 + size * x + 0.01 * (i as f64 * 1.7).sin(), -200.0 + size * y+ 0.01 * (i as f64 * 2.7).sin(), 0.0]).collect();
-                let views: Vec<NodeView> = nodes.iter().map(|&place| { let (pixel, jacobian) = camera.project_with_jacobian(place); NodeView { place, pixel, jacobian } }).collect();
-                let fit = Fit::of(cell);
-                let origin = views[0].pixel.map(f64::round);
-                let mut c = [[0.0; MONOMIALS + 1]; 2];
-                fit.expand(&views, &camera, origin, &mut c);
-                let j = fit.expand_jacobian(&views);
-                let mut worst = [0.0_f64; 2];
-                for i in 0..=10 { for k in 0..=10 {
-                    let (x, y) = (i as f64 / 10.0, k as f64 / 10.0);
-                    let at = if cell.is_triangle() { if x + y > 1.0 { continue } [x, y] } else { [2.0 * x - 1.0, 2.0 * y - 1.0] };
-                    let (p, jac) = camera.project_with_jacobian(map(cell, &nodes, at));
-                    let m = monomials(at);
-                    for d in 0..2 { let e = origin[d] + c[d][0] + (0..MONOMIALS).map(|q| c[d][q + 1] * m[q]).sum::<f64>() - p[d]; worst[0] = worst[0].max(e.abs()); }
-                    for e in 0..4 { worst[1] = worst[1].max((j[e][0] + j[e][1] * at[0] + j[e][2] * at[1] - jac[e / 2][e % 2]).abs()); }
-                } }
-                println!("{focal} {cell} {n} size {size}: {worst:?} {}", Expansion::new(cell, &views, &camera).map_or(99, |e| e.terms));
-            } }
+                    let n = cell.num_nodes();
+                    let nodes: Vec<[f64; 3]> = cell
+                        .reference_nodes()
+                        .iter()
+                        .enumerate()
+                        .map(|(i, [x, y])| {
+                            [
+                                300.0 + size * x + 0.01 * (i as f64 * 1.7).sin(),
+                                -200.0 + size * y + 0.01 * (i as f64 * 2.7).sin(),
+                                0.0,
+                            ]
+                        })
+                        .collect();
+                    let views: Vec<NodeView> = nodes
+                        .iter()
+                        .map(|&place| {
+                            let (pixel, jacobian) = camera.project_with_jacobian(place);
+                            NodeView { place, pixel, jacobian }
+                        })
+                        .collect();
+                    let fit = Fit::of(cell);
+                    let origin = views[0].pixel.map(f64::round);
+                    let mut c = [[0.0; MONOMIALS + 1]; 2];
+                    fit.expand(&views, &camera, origin, &mut c);
+                    let j = fit.expand_jacobian(&views);
+                    let mut worst = [0.0_f64; 2];
+                    for i in 0..=10 {
+                        for k in 0..=10 {
+                            let (x, y) = (i as f64 / 10.0, k as f64 / 10.0);
+                            let at = if cell.is_triangle() {
+                                if x + y > 1.0 {
+                                    continue;
+                                }
+                                [x, y]
+                            } else {
+                                [2.0 * x - 1.0, 2.0 * y - 1.0]
+                            };
+                            let (p, jac) = camera.project_with_jacobian(map(cell, &nodes, at));
+                            let m = monomials(at);
+                            for d in 0..2 {
+                                let e = origin[d] + c[d][0] + (0..MONOMIALS).map(|q| c[d][q + 1] * m[q]).sum::<f64>()
+                                    - p[d];
+                                worst[0] = worst[0].max(e.abs());
+                            }
+                            for e in 0..4 {
+                                worst[1] = worst[1]
+                                    .max((j[e][0] + j[e][1] * at[0] + j[e][2] * at[1] - jac[e / 2][e % 2]).abs());
+                            }
+                        }
+                    }
+                    println!(
+                        "{focal} {cell} {n} size {size}: {worst:?} {}",
+                        Expansion::new(cell, &views, &camera).map_or(99, |e| e.terms)
+                    );
+                }
+            }
         }
     }
 }

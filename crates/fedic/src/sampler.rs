@@ -23,11 +23,11 @@ impl Sampler {
         gradient: Gradient,
         prefilter: f64,
     ) -> Result<Self, ImageError> {
-        let filtered = filter(view, prefilter)?;
-        let view = filtered.as_ref().map_or(view, Image::view);
         let differences = match gradient {
             Gradient::Analytic => None,
             Gradient::FiniteDifference => {
+                let filtered = filter(view, prefilter)?;
+                let view = filtered.as_ref().map_or(view, Image::view);
                 let (along_u, along_v) = central_differences(view);
                 Some([
                     Interpolator::new(along_u.view(), interpolation),
@@ -35,7 +35,7 @@ impl Sampler {
                 ])
             }
         };
-        Ok(Self { value: Interpolator::new(view, interpolation), differences })
+        Ok(Self { value: Interpolator::smoothed(view, interpolation, prefilter)?, differences })
     }
 
     /// Prepares an image through the filter once more than [`new`](Self::new).
@@ -85,16 +85,6 @@ impl Sampler {
             }
         }
     }
-}
-
-/// The interpolant of an image of which only values are read.
-pub(crate) fn value_interpolator(
-    view: ImageView<'_>,
-    interpolation: Interpolation,
-    prefilter: f64,
-) -> Result<Interpolator, ImageError> {
-    let filtered = filter(view, prefilter)?;
-    Ok(Interpolator::new(filtered.as_ref().map_or(view, Image::view), interpolation))
 }
 
 fn filter(view: ImageView<'_>, prefilter: f64) -> Result<Option<Image>, ImageError> {

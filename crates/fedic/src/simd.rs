@@ -60,8 +60,10 @@ impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
         for k in 0..u.len().min(v.len()) {
             let (xi, eta) = (powers[0][k], powers[1][k]);
             // From the least terms to the greatest, so that the sum is rounded once.
-            let mut at_u = simd.mul_add_e_f32s(eta, remainders[0][1], simd.mul_add_e_f32s(xi, remainders[0][0], constant_u));
-            let mut at_v = simd.mul_add_e_f32s(eta, remainders[1][1], simd.mul_add_e_f32s(xi, remainders[1][0], constant_v));
+            let mut at_u =
+                simd.mul_add_e_f32s(eta, remainders[0][1], simd.mul_add_e_f32s(xi, remainders[0][0], constant_u));
+            let mut at_v =
+                simd.mul_add_e_f32s(eta, remainders[1][1], simd.mul_add_e_f32s(xi, remainders[1][0], constant_v));
             for m in (0..TERMS).rev() {
                 let power = powers[m][k];
                 at_u = simd.mul_add_e_f32s(power, factors_u[m], at_u);
@@ -230,7 +232,8 @@ impl WithSimd for PullBack<'_> {
                 let [constant, along_xi, along_eta] = self.jacobian[entry];
                 at[entry] = constant + along_xi * xi[k] + along_eta * eta[k];
             }
-            (along_u[k], along_v[k]) = (at[0] * along_u[k] + at[2] * along_v[k], at[1] * along_u[k] + at[3] * along_v[k]);
+            (along_u[k], along_v[k]) =
+                (at[0] * along_u[k] + at[2] * along_v[k], at[1] * along_u[k] + at[3] * along_v[k]);
         }
     }
 }
