@@ -58,16 +58,23 @@ impl Correlator {
         options.check()?;
         let pool = options.num_threads.map(thread_pool).transpose()?;
         let prepare = || {
-            let system = System::new(mesh)?;
-            let sampler = Sampler::new(reference, options.interpolation, options.gradient, options.prefilter)?;
+            // The order of the unknowns and the end of the factorisation keep one thread busy: the others do what they can.
+            let (system, sampler) = rayon::join(
+                || System::new(mesh),
+                || Sampler::new(reference, options.interpolation, options.gradient, options.prefilter),
+            );
+            let (system, sampler) = (system?, sampler?);
             let settings = LevelSettings {
                 quadrature: options.quadrature,
                 size: [reference.width(), reference.height()],
                 wavelength: options.regularization,
                 whole_mesh: true,
             };
-            let level = Level::new(&system, Arc::clone(&camera), &sampler, &settings, monitor)?;
-            Ok::<_, Error>((system, level, downsample(reference).ok()))
+            let (level, reduced) = rayon::join(
+                || Level::new(&system, Arc::clone(&camera), &sampler, &settings, monitor),
+                || downsample(reference).ok(),
+            );
+            Ok::<_, Error>((system, level?, reduced))
         };
         let (system, level, reduced) = match &pool {
             Some(pool) => pool.install(prepare),
