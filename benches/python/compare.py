@@ -1,5 +1,7 @@
 """Compare fedic with published packages on one pair, each in a process of its own: python compare.py [--help].
 
+The last rows are a plain loop over the memory of an iteration, the limit of any.
+
 Times and memory are those of the whole process, start of the interpreter and imports included. The packages to compare
 with pin versions of their own: give the interpreter of an environment that holds them as --peer-python.
 """
@@ -34,20 +36,26 @@ class Package(NamedTuple):
     script: str
     module: str
     distribution: str
-    option: str = ""
+    options: tuple[str, ...] = ()
     displacement: str = "displacement"
 
     @property
     def name(self) -> str:
         """Return what its row is called."""
-        return f"{self.distribution} {self.option}".strip()
+        return " ".join((self.distribution, *self.options))
 
 
-FEDIC = Package("pair_fedic.py", "fedic", "fedic", displacement="pixel_displacement")
+def fedic_with(*options: str) -> Package:
+    """Return fedic with some options of its script."""
+    return Package("pair_fedic.py", "fedic", "fedic", options, displacement="pixel_displacement")
+
+
+FEDIC = (fedic_with(), fedic_with("cubic"), fedic_with("one-thread"), fedic_with("cubic", "one-thread"))
+SERIES = fedic_with("series")
 PEERS = (
     Package("pair_pyvale.py", "pyvale.dic", "pyvale"),
     Package("pair_pyxel.py", "pyxel", "pyxel-dic"),
-    Package("pair_pyxel.py", "pyxel", "pyxel-dic", "full"),
+    Package("pair_pyxel.py", "pyxel", "pyxel-dic", ("full",)),
 )
 
 
@@ -55,7 +63,7 @@ def run(python: str, package: Package, images: Pair, folder: Path) -> dict[str, 
     """Run one measurement; return what it says, its time and memory seen from outside, and its error."""
     out = folder / package.name.replace(" ", "-")
     command = [python, HERE / package.script, images.reference, images.deformed, *images.bounds, ELEMENT, out]
-    command += [package.option] if package.option else []
+    command += package.options
     log = out.with_suffix(".log")
     # A new process counts the memory of the one that starts it as its own peak: this one must stay small.
     with log.open("w") as output:
@@ -97,6 +105,13 @@ def repeated(python: str, package: Package, images: Pair, folder: Path, repetiti
     return {**next(one for one in runs if one["seconds"] == middle), "all_seconds": [one["seconds"] for one in runs]}
 
 
+def stream(points: int, pixels: int, threads: int) -> dict[str, Any]:
+    """Time the reading of what an iteration reads."""
+    command = [sys.executable, str(HERE / "stream.py"), str(points), str(pixels), str(threads)]
+    words = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+    return {"said": {name: float(value) for name, value in zip(words[::2], words[1::2], strict=True)}}
+
+
 def version(python: str, package: Package) -> str | None:
     """Return the version of a package in the environment of an interpreter, or None where it cannot be imported.
 
@@ -132,11 +147,25 @@ def table(title: str, rows: dict[str, dict[str, Any]]) -> Table:
     notes: list[str] = []
     shown = Table(title=title)
     shown.add_column("package")
-    for heading in ("seconds", "of fedic", "peak MB", "points", "error of u: mean, std (px)", "error of v"):
+    headings = (
+        "seconds",
+        "of fedic",
+        "peak MB",
+        "points",
+        "ns/point/iteration",
+        "error of u: mean, std (px)",
+        "error of v",
+    )
+    for heading in headings:
         shown.add_column(heading, justify="right")
     reference = rows["fedic"].get("seconds", float("nan"))
     for name, row in rows.items():
         label = f"{name} {row['version']}" if row.get("version") else name
+        said = row.get("said", {})
+        each = f"{said['iteration'] / said['points'] * 1e9:.2f}" if "iteration" in said else ""
+        if name.startswith("stream"):
+            shown.add_row(label, "", "", "", f"{said['points']:.3g}", each)
+            continue
         if "seconds" not in row:
             problem = f"not installed: {row['missing']}" if "missing" in row else f"failed: {row['failed']}"
             notes.append(f"{label} {problem}")
@@ -145,9 +174,10 @@ def table(title: str, rows: dict[str, dict[str, Any]]) -> Table:
         shown.add_row(
             label,
             f"{row['seconds']:.2f}",
-            f"{row['seconds'] / reference:.1f}",
+            f"{row['seconds'] / reference:.2f}",
             f"{row['peak_MB']:.0f}",
-            f"{row['said']['points']:.3g}",
+            f"{said['points']:.3g}",
+            each,
             *(f"{mean:+.4f}, {deviation:.4f}" for mean, deviation in pairs),
         )
     shown.caption = "\n".join(notes)
@@ -176,7 +206,8 @@ def main() -> int:
     console = Console(width=None if sys.stdout.isatty() else 120)
     rows: dict[str, dict[str, Any]] = {}
     with tempfile.TemporaryDirectory() as folder:
-        plan = [(FEDIC, sys.executable, given.repetitions)]
+        plan = [(package, sys.executable, given.repetitions) for package in FEDIC]
+        plan += [(SERIES, sys.executable, 1)]
         plan += [] if given.no_peers else [(peer, given.peer_python, 1) for peer in PEERS]
         for package, python, repetitions in plan:
             installed = version(python, package)
@@ -187,11 +218,21 @@ def main() -> int:
                 found = repeated(python, package, images, Path(folder), repetitions)
             rows[package.name] = {"version": installed, **found}
     height, width = images.shape
+    if "said" in rows["fedic"]:
+        for threads in (2, 1):
+            points = round(rows["fedic"]["said"]["points"])
+            rows[f"stream, threads: {threads}"] = stream(points, height * width, threads)
     console.print(table(f"{width} x {height} px, elements of {ELEMENT} px", rows))
     output = given.output or HERE.parent / "results" / f"pair_{given.megapixels:g}mpx.json"
     output.parent.mkdir(parents=True, exist_ok=True)
     saved = {"machine": machine(), "width": width, "height": height, "element_px": ELEMENT, "packages": rows}
     output.write_text(json.dumps(saved, indent=2) + "\n")
+    frame = rows[SERIES.name].get("said", {})
+    if "frame" in frame:
+        console.print(
+            f"Next frame of a series, from its file to its stored result: {frame['frame']:.3f} s, "
+            f"{frame['frame_outside'] / frame['frame']:.0%} of it outside the iterations."
+        )
     console.print(f"Written to {output.name}.")
     return 1 if any("failed" in row for row in rows.values()) else 0
 

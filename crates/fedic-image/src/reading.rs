@@ -171,3 +171,49 @@ fn weigh<S: Summation, const HALF: usize>(kernel: &Kernel<HALF>, middle: &Lane, 
 fn differentiate<S: Summation, const HALF: usize>(kernel: &Kernel<HALF>, middle: &Lane, out: &mut [Lane]) {
     if S::FUSED { kernel.slopes::<true>(middle, out) } else { kernel.slopes::<false>(middle, out) }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::kernel::{BSPLINE3, BSPLINE5};
+    use crate::view::ImageView;
+
+    const SIZE: [usize; 2] = [60, 50];
+
+    fn coefficients() -> Coefficients {
+        let noise: Vec<f32> = (0..SIZE[0] * SIZE[1]).map(|i| (i * i * 7919 / 13 % 256) as f32).collect();
+        Coefficients::samples(ImageView::of_checked(SIZE[0], SIZE[1], &noise))
+    }
+
+    /// Values and derivatives by the processor's best instructions, and by plain loops.
+    fn both<const HALF: usize, const TAPS: usize>(kernel: &Kernel<HALF>, points: Points<'_>) -> [[Vec<f32>; 3]; 2] {
+        let coefficients = coefficients();
+        let count = points.len().unwrap_or_default();
+        let empty = || [(); 3].map(|()| vec![0.0; count]);
+        let (mut best, mut plain) = (empty(), empty());
+        read::<HALF, TAPS, 3>(&coefficients, SIZE, kernel, points, best.each_mut().map(Vec::as_mut_slice));
+        let grid = Grid { width: SIZE[0], height: SIZE[1], stride: coefficients.stride(), half: HALF };
+        let (data, out) = (coefficients.as_slice(), plain.each_mut().map(Vec::as_mut_slice));
+        Reading::<_, HALF, TAPS, 3> { data, grid, kernel, points, out, summation: pulp::Scalar }.run();
+        [best, plain]
+    }
+
+    proptest! {
+        #[test]
+        fn the_fast_way_equals_the_plain_one(
+            places in prop::collection::vec((-31.0..31.0_f32, -26.0..26.0_f32), 1..80),
+            inside in any::<bool>(),
+        ) {
+            let scale = if inside { 0.9 } else { 1.0 };
+            let (u, v): (Vec<f32>, Vec<f32>) = places.into_iter().map(|(u, v)| (scale * u, scale * v)).unzip();
+            let points = Points::Near([30, 25], &u, &v);
+            for [best, plain] in [both::<2, 4>(&BSPLINE3, points), both::<3, 6>(&BSPLINE5, points)] {
+                for (best, plain) in best.iter().flatten().zip(plain.iter().flatten()) {
+                    prop_assert!((best - plain).abs() < 1e-3 || best.is_nan() && plain.is_nan(), "{best} {plain}");
+                }
+            }
+        }
+    }
+}

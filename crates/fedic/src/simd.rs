@@ -75,7 +75,7 @@ impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
     }
 }
 
-/// Sums of `w (g - pivot)` and `w (g - pivot)^2`.
+/// Sums of `w (g - pivot)` and `w (g - pivot)^2`, in double precision: a flat image must look flat.
 pub(crate) fn moments(grey: &[f32], weights: &[f32], pivot: f32) -> [f64; 2] {
     run(Moments { grey, weights, pivot })
 }
@@ -90,20 +90,21 @@ impl WithSimd for Moments<'_> {
     type Output = [f64; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
-        let (grey, weights) = (S::as_simd_f32s(self.grey).0, S::as_simd_f32s(self.weights).0);
-        let pivot = simd.splat_f32s(self.pivot);
-        let mut totals = [0.0; 2];
-        for (grey, weights) in grey.chunks(FLUSH).zip(weights.chunks(FLUSH)) {
-            let mut sums = [simd.splat_f32s(0.0); 2];
-            for (&grey, &weight) in grey.iter().zip(weights) {
-                let centred = simd.sub_f32s(grey, pivot);
-                let weighted = simd.mul_f32s(weight, centred);
-                sums[0] = simd.add_f32s(sums[0], weighted);
-                sums[1] = simd.mul_add_e_f32s(weighted, centred, sums[1]);
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 2] {
+        const LANES: usize = 8;
+        let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
+        for (grey, weights) in self.grey.as_chunks::<LANES>().0.iter().zip(self.weights.as_chunks::<LANES>().0) {
+            for lane in 0..LANES {
+                let centred = f64::from(grey[lane] - self.pivot);
+                let weighted = f64::from(weights[lane]) * centred;
+                sums[lane] += weighted;
+                squares[lane] += weighted * centred;
             }
-            totals[0] += f64::from(simd.reduce_sum_f32s(sums[0]));
-            totals[1] += f64::from(simd.reduce_sum_f32s(sums[1]));
+        }
+        let mut totals = [0.0; 2];
+        for lane in 0..LANES {
+            totals[0] += sums[lane];
+            totals[1] += squares[lane];
         }
         totals
     }
@@ -305,4 +306,92 @@ impl WithSimd for HessianSums<'_> {
 #[inline(always)]
 fn vectors<S: Simd>(numbers: &[f64; POINTS], n: usize) -> &[S::f64s] {
     S::as_simd_f64s(&numbers[..n]).0
+}
+
+#[cfg(test)]
+mod tests {
+    use fedic_mesh::{CellType, Subdivision};
+
+    use super::*;
+    use crate::point_table::PointTable;
+
+    fn table(cell: CellType) -> (PointTable, usize) {
+        let subdivision = Subdivision::uniform(cell, 9);
+        let (xi, eta): (Vec<f64>, Vec<f64>) = subdivision.all_points().into_iter().map(|[x, y]| (x, y)).unzip();
+        let mut table = PointTable::default();
+        table.fill(cell, &xi, &eta);
+        (table, xi.len())
+    }
+
+    /// Numbers without order at the points, then zeros.
+    fn row(seed: usize, len: usize, padded: usize) -> Vec<f32> {
+        let number = |k: usize| ((k * 7919 + seed * 104_729) % 1000) as f32 / 250.0 - 2.0;
+        (0..padded).map(|k| if k < len { number(k) } else { 0.0 }).collect()
+    }
+
+    #[test]
+    fn sums_equal_plain_loops_in_double_precision() {
+        for cell in CellType::ALL {
+            let (table, len) = table(cell);
+            let rows = table.part(0);
+            let [f, g, along_u, along_v, w] = [1, 2, 3, 4, 5].map(|seed| row(seed, len, rows.padded()));
+            let weights: Vec<f32> = w.iter().map(|w| w * w).collect();
+            let jacobian = [[1.1, 0.02, -0.01], [0.1, 0.01, 0.0], [-0.2, 0.0, 0.03], [0.9, -0.02, 0.01]];
+            let correction = [1.2, -0.3];
+            let gradient = [along_u.as_slice(), along_v.as_slice()];
+            let readings =
+                Readings { reference: &f, gradient, deformed: &g, weights: &weights, jacobian: &jacobian, correction };
+            let (sums, squares) = residual_sums(rows, readings);
+            let mut q = [along_u.clone(), along_v.clone()];
+            let [x, y] = &mut q;
+            pull_back(rows, &jacobian, [x, y]);
+            let pairs = rows.num_nodes() * (rows.num_nodes() + 1) / 2;
+            let mut hessian = vec![[0.0; PRODUCTS]; pairs];
+            hessian_sums(rows, [&q[0], &q[1]], &weights, &mut hessian);
+
+            let (mut expected, mut expected_squares) = ([[0.0; COMPONENTS]; MAX_NODES], 0.0);
+            let mut expected_hessian = vec![[0.0; PRODUCTS]; pairs];
+            for k in 0..len {
+                let [f, g, w] = [f[k], g[k], weights[k]].map(f64::from);
+                let residual = f - 1.2 * g + 0.3;
+                expected_squares += w * residual * residual;
+                let [qx, qy] = [0, 1].map(|c| {
+                    let entry = |e: usize| {
+                        let [constant, xi, eta] = jacobian[e].map(f64::from);
+                        constant + xi * f64::from(rows.monomial(0)[k]) + eta * f64::from(rows.monomial(1)[k])
+                    };
+                    entry(c) * f64::from(along_u[k]) + entry(2 + c) * f64::from(along_v[k])
+                });
+                let mut pair = 0;
+                for a in 0..rows.num_nodes() {
+                    let shape = f64::from(rows.shape(a)[k]);
+                    expected[a][0] += w * shape * qx * residual;
+                    expected[a][1] += w * shape * qy * residual;
+                    for b in 0..=a {
+                        let both = w * shape * f64::from(rows.shape(b)[k]);
+                        let products = [both * qx * qx, both * qx * qy, both * qy * qy];
+                        expected_hessian[pair].iter_mut().zip(products).for_each(|(sum, p)| *sum += p);
+                        pair += 1;
+                    }
+                }
+            }
+            let close = |found: f64, expected: f64| (found - expected).abs() < 1e-5 * (1.0 + expected.abs());
+            assert!(close(squares, expected_squares), "{cell}: {squares} {expected_squares}");
+            for (found, expected) in sums.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!(close(*found, *expected), "{cell}: {found} {expected}");
+            }
+            for (found, expected) in hessian.as_flattened().iter().zip(expected_hessian.as_flattened()) {
+                assert!(close(*found, *expected), "{cell}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn moments_are_counted_from_the_pivot() {
+        let (grey, weights) = (vec![80.0_f32; 64], vec![0.7_f32; 64]);
+        let [sum, squares] = moments(&grey, &weights, 131.25);
+        let weight = 64.0 * f64::from(0.7_f32);
+        let variance: f64 = squares / weight - (sum / weight).powi(2);
+        assert!((sum / weight + 51.25).abs() < 1e-12 && variance.abs() < 1e-10, "{sum} {squares}");
+    }
 }
