@@ -71,7 +71,7 @@ impl Correlator {
                 whole_mesh: true,
             };
             let (level, reduced) = rayon::join(
-                || Level::new(&system, Arc::clone(&camera), &sampler, &settings, monitor),
+                || Level::new(&system, Arc::clone(&camera), sampler, &settings, monitor),
                 || downsample(reference).ok(),
             );
             Ok::<_, Error>((system, level?, reduced))

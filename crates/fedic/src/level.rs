@@ -52,7 +52,7 @@ impl Level {
     pub(crate) fn new(
         system: &System,
         camera: Arc<dyn Camera>,
-        reference: &Sampler,
+        reference: Sampler,
         settings: &LevelSettings,
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
@@ -75,9 +75,9 @@ impl Level {
             mesh,
             camera: camera.as_ref(),
             quadrature: &quadrature,
-            image: reference,
+            image: &reference,
             views: &views,
-            pivot: typical_level(reference, &views),
+            pivot: typical_level(&reference, &views),
         };
         let mut hessian = SymmetricMatrix::zeros(&system.pattern);
         let mut energies = Vec::with_capacity(mesh.num_cells());
@@ -103,6 +103,8 @@ impl Level {
             },
         )?;
         let pivot = reader.pivot;
+        // The largest of what is held: gone before the factorisation asks for memory.
+        drop(reference);
         if settings.whole_mesh && !outside.is_empty() {
             return Err(refuse(outside));
         }

@@ -59,7 +59,7 @@ impl Pyramid {
                 whole_mesh: false,
             };
             let scaled: Arc<dyn Camera> = Arc::new(Scaled::new(Arc::clone(camera), 0.5_f64.powi(depth as i32)));
-            match Level::new(system, scaled, &sampler, &settings, monitor) {
+            match Level::new(system, scaled, sampler, &settings, monitor) {
                 Ok(level) => levels.push(level),
                 // A texture that reduction washes out ends the pyramid, not the correlation.
                 Err(Error::Flat { .. } | Error::Solve(_)) => break,
