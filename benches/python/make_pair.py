@@ -1,12 +1,13 @@
 """Make the synthetic pair that the packages are compared on: python make_pair.py [--megapixels 5] [--folder FOLDER].
 
-A speckle on a flat specimen, at rest and after a smooth stretch and shift of at most three pixels, small enough for
-every package to converge from zero. 8 bits, uncompressed TIFF. A pair is made once and kept by its name.
+A speckle on a flat specimen, at rest and after a smooth stretch and shift of at most three pixels at any size, small
+enough for every package to converge from zero. 8 bits, uncompressed TIFF. A pair is made once and kept by its name.
 """
 
 import argparse
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +25,8 @@ LARGEST_STRETCH = np.array([1.2, -0.8])
 """Displacement, in pixels, that the stretch adds at the edges of the image: 1e-3 for 5 megapixels."""
 WAVE = np.array([0.3, 0.2])
 """Amplitude, in pixels, of a wave of one period across the image."""
+BAND_PIXELS = 4_000_000
+"""Pixels rendered at once: a whole image of 150 megapixels would take gigabytes."""
 
 
 class Pair(NamedTuple):
@@ -59,18 +62,37 @@ def make(wanted: Pair) -> None:
     """Render and write those of the two images that are missing."""
     import tifffile
 
-    import fedic
-
-    texture = fedic.synthetic.Speckle(SPECKLE_SIZE, seed=3)
     for path, displacement in ((wanted.reference, None), (wanted.deformed, wanted.displacement)):
         if path.exists():
             continue
-        camera = fedic.ImageFrame()
-        image = fedic.synthetic.render(texture, camera, wanted.shape, displacement=displacement, supersampling=2)
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_suffix(".part")
-        tifffile.imwrite(unfinished, image)
+        tifffile.imwrite(unfinished, rendered(wanted.shape, displacement))
         unfinished.replace(path)
+
+
+def rendered(shape: tuple[int, int], displacement: Callable[[Floats], Floats] | None) -> NDArray[np.uint8]:
+    """Render an image band by band, each through a camera moved down to it."""
+    import fedic
+
+    texture = fedic.synthetic.Speckle(SPECKLE_SIZE, seed=3)
+    upwards = np.array([1.0, -1.0])
+    """From the image, where y goes down, to the world of the camera and back."""
+
+    def moved(points: Floats) -> Floats:
+        assert displacement is not None
+        return upwards * displacement(upwards * points)
+
+    height, width = shape
+    rows = max(1, BAND_PIXELS // width)
+    image = np.empty(shape, dtype=np.uint8)
+    for first in range(0, height, rows):
+        band = image[first : first + rows]
+        camera = fedic.FrontParallel(1.0, (0.0, -float(first)))
+        band[:] = fedic.synthetic.render(
+            texture, camera, band.shape, displacement=None if displacement is None else moved, supersampling=2
+        )
+    return image
 
 
 def default_folder() -> Path:
