@@ -1,4 +1,4 @@
-"""What the scripts that measure a pair share: their arguments, what they print and the field they leave behind.
+"""What the scripts that measure share: their arguments, what they print and the field they leave behind.
 
 Runs in the environment of every package compared, and imports nothing of its own that would be timed with them.
 """
@@ -13,22 +13,24 @@ _BYTES_PER_UNIT = 1 if sys.platform == "darwin" else 1024
 
 
 class Arguments(NamedTuple):
-    """The arguments ``REF DEF X0 Y0 X1 Y1 SIZE OUT [OPTION ...]``; `out` is a path without suffix."""
+    """The arguments ``REF DEF X0 Y0 X1 Y1 SIZE THREADS OUT [OPTION]``; `out` is a path without suffix."""
 
     reference: Path
     deformed: Path
     bounds: tuple[float, float, float, float]
     size: float
+    threads: int
     out: Path
     options: list[str]
 
 
 def arguments() -> Arguments:
     """Read the command line."""
-    if len(sys.argv) < 9:
-        sys.exit(f"usage: python {Path(sys.argv[0]).name} REF DEF X0 Y0 X1 Y1 SIZE OUT")
+    if len(sys.argv) < 10:
+        sys.exit(f"usage: python {Path(sys.argv[0]).name} REF DEF X0 Y0 X1 Y1 SIZE THREADS OUT [OPTION]")
+    reference, deformed, out = (Path(sys.argv[index]) for index in (1, 2, 9))
     x0, y0, x1, y1, size = map(float, sys.argv[3:8])
-    return Arguments(Path(sys.argv[1]), Path(sys.argv[2]), (x0, y0, x1, y1), size, Path(sys.argv[8]), sys.argv[9:])
+    return Arguments(reference, deformed, (x0, y0, x1, y1), size, int(sys.argv[8]), out, sys.argv[10:])
 
 
 def megabytes(maxrss: int) -> float:

@@ -1,7 +1,8 @@
-"""Read once what an iteration reads from memory, and nothing else: python stream.py POINTS PIXELS THREADS.
+"""Read once what an iteration must read from memory, and nothing else: python stream.py POINTS PIXELS THREADS.
 
 Twelve bytes per quadrature point (grey level and gradient of the reference image) and four per pixel (coefficients of
-the deformed one), added up by NumPy: no iteration can be faster.
+the deformed one), each thread a part of them. NumPy's maximum is the fastest plain loop it has over single precision,
+faster than its sum, which adds by pairs: no iteration can be faster.
 """
 
 import sys
@@ -9,8 +10,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+from measure import report
 
-_CHUNK = 1 << 16
 _REPETITIONS = 10
 
 
@@ -19,17 +20,13 @@ def main() -> None:
     points, pixels, threads = map(int, sys.argv[1:])
     numbers = np.ones(3 * points + pixels, dtype=np.float32)
     parts = np.array_split(numbers, threads)
-
-    def total(part: "np.ndarray[tuple[int], np.dtype[np.float32]]") -> float:
-        return sum(float(part[start : start + _CHUNK].sum()) for start in range(0, len(part), _CHUNK))
-
+    best = float("inf")
     with ThreadPoolExecutor(threads) as pool:
-        best = float("inf")
         for _ in range(_REPETITIONS):
             start = time.perf_counter()
-            list(pool.map(total, parts))
+            list(pool.map(np.max, parts))
             best = min(best, time.perf_counter() - start)
-    sys.stdout.write(f"points {points} iteration {best:.6g}\n")
+    report(points=points, iteration=best, GB_per_second=numbers.nbytes / best / 1e9)
 
 
 if __name__ == "__main__":
