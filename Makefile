@@ -49,9 +49,9 @@ format: setup ## Format the sources.
 doc: ## Build the documentation of the Rust crates.
 	RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps
 
-bench: build ## Time the kernels, and the whole measurement beside the peers that are installed.
+bench: build ## Time the kernels, and whole measurements of 1 to 150 megapixels; PEER_PYTHON=... adds the peers.
 	cargo bench --package fedic-benches
-	$(BIN)/python benches/python/compare.py
+	$(BIN)/python benches/python/compare.py $(if $(PEER_PYTHON),--peer-python $(PEER_PYTHON))
 
 clean: ## Remove everything built.
 	rm -rf target $(VENV) fedic-demo
