@@ -22,7 +22,7 @@ import numpy as np
 from machine import machine
 from make_pair import Pair, default_folder, pair
 from rich.console import Console
-from table import table
+from table import legend, table
 from targets import verdicts
 
 HERE = Path(__file__).parent
@@ -235,6 +235,7 @@ def main() -> int:
                     saved = {"machine": described, "rows": rows}
                     given.output.write_text(json.dumps(saved, indent=2, allow_nan=False) + "\n")
     console.print(table(rows))
+    console.print(legend(rows), highlight=False, markup=False)
     for verdict in verdicts(rows):
         console.print(verdict, highlight=False)
     console.print(f"Written to {given.output.name}.")

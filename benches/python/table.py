@@ -21,32 +21,38 @@ _COLUMNS = (
     "B/px",
     "error",
 )
-_CAPTION = """\
+_LEGEND = """\
 seconds, peak MB, B/px: whole process, from files to written result. / fedic: over the seconds of fedic, else alike.
-px: elements, or step of subsets; dofs: unknowns. frame s: next frame of a series, file to stored result; outside: of its iterations.
-ns: per point and iteration; / stream: over that of a plain loop over the same bytes. error: rms, in px."""
+px: size of elements, or step of subsets. dofs: unknowns. frame s: next frame of a series, from file to stored result.
+outside: part of the frame outside its iterations. ns: per point and iteration. / stream: over the ns of a plain loop
+over the same bytes, alike. error: root mean square, in pixels."""
 
 
 def table(rows: list[dict[str, Any]]) -> Table:
-    """Lay the rows out, sizes apart, and say below what failed and which versions were measured."""
+    """Lay the rows out, sizes apart."""
     shown = Table(title="Pairs of images", box=box.SIMPLE_HEAD, show_edge=False, padding=(0, 0, 0, 1))
     for heading in _COLUMNS:
         shown.add_column(heading, justify="left" if heading == "package" else "right", no_wrap=True)
-    failures: list[str] = []
     for index, row in enumerate(rows):
         where = [f"{row['megapixels']:g}", str(row["threads"]), row["package"], str(row["element_px"])]
-        if problem := row.get("failed") or row.get("absent"):
-            failures.append(f"{row['package']}, {row['megapixels']:g} Mpx, threads: {row['threads']}: {problem}")
-            shown.add_row(*where, "failed" if "failed" in row else "absent")
-        else:
-            shown.add_row(*where, *_values(row, rows))
+        missing = next((word for word in ("failed", "absent") if word in row), None)
+        shown.add_row(*where, *([missing] if missing else _values(row, rows)))
         if index + 1 < len(rows) and rows[index + 1]["megapixels"] != row["megapixels"]:
             shown.add_section()
-    versions = {row["package"].split()[0]: row["version"] for row in rows if row.get("version")}
-    measured = ", ".join(f"{name} {version}" for name, version in versions.items())
-    shown.caption = "\n".join((_CAPTION, *([f"Versions: {measured}."] if measured else []), *failures))
-    shown.caption_justify = "left"
     return shown
+
+
+def legend(rows: list[dict[str, Any]]) -> str:
+    """Say what the columns are, which versions were measured, what failed and what is not installed."""
+    versions = {row["package"].split()[0]: row["version"] for row in rows if row.get("version")}
+    absent = {f"{row['package']}: {row['absent']}": None for row in rows if "absent" in row}
+    failed = [
+        f"{row['package']}, {row['megapixels']:g} Mpx, threads: {row['threads']}: {row['failed']}"
+        for row in rows
+        if "failed" in row
+    ]
+    measured = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return "\n".join((_LEGEND, *([f"versions: {measured}"] if measured else []), *absent, *failed))
 
 
 def nanoseconds(row: dict[str, Any]) -> float | None:
@@ -70,11 +76,11 @@ def _values(row: dict[str, Any], rows: list[dict[str, Any]]) -> list[str]:
     return [
         _text(row["said"].get("unknowns"), ".0f"),
         _text(seconds, ".2f"),
-        _text(seconds / fedic if seconds and fedic else None, ".3g"),
+        _figures(seconds / fedic if seconds and fedic else None),
         _text(series and series["frame"], ".3f"),
         _text(series and series["outside"] / series["frame"], ".0%"),
-        _text(each, ".3g"),
-        _text(each / stream if each and stream else None, ".3g"),
+        _figures(each),
+        _figures(each / stream if each and stream else None),
         _text(peak, ".0f"),
         _text(peak and peak * 1e6 / pixels, ".1f"),
         _text(row.get("error_rms"), ".4f"),
@@ -83,3 +89,8 @@ def _values(row: dict[str, Any], rows: list[dict[str, Any]]) -> list[str]:
 
 def _text(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)
+
+
+def _figures(value: float | None) -> str:
+    """Write three figures, more where there are more before the point."""
+    return _text(value, ".0f" if value is not None and value >= 100.0 else "#.3g")

@@ -32,7 +32,7 @@ def verdicts(rows: list[Row]) -> Iterator[str]:
     if large:
         pixels = large["width"] * large["height"]
         yield _most("150 Mpx, peak memory (bytes per pixel)", large["peak_MB"] * 1e6 / pixels, 20.0)
-    same = [row for row in done if row["package"] == "fedic" and row["element_px"] == 20]
+    same = [row for row in done if row["package"] == "fedic" and row["element_px"] == 20 and row["megapixels"] >= 1.0]
     sizes = [row["megapixels"] for row in same]
     each = [value for row in same if (value := nanoseconds(row))]
     if len(each) > 1:
