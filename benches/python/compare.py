@@ -181,8 +181,12 @@ def command_line() -> argparse.Namespace:
     parser.add_argument("--folder", type=Path, default=default_folder(), help="where the images are kept")
     parser.add_argument("--output", type=Path, default=RESULTS, help="JSON file to write")
     given = parser.parse_args()
-    if given.output.is_dir() or not given.output.resolve().parent.is_dir():
-        parser.error(f"--output {given.output}: not a file in a folder that exists")
+    if given.output.is_dir():
+        parser.error(f"--output {given.output} is a folder")
+    given.output.parent.mkdir(parents=True, exist_ok=True)
+    if os.sep in given.peer_python:
+        # Measurements run in a folder of their own. Not resolved: the link in an environment is what makes it one.
+        given.peer_python = os.path.abspath(given.peer_python)  # noqa: PTH100
     return given
 
 
