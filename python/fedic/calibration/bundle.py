@@ -1,0 +1,186 @@
+"""Least squares over the intrinsic parameters and the poses of all the views, and their covariance.
+
+Levenberg-Marquardt on the pixels' distances (Zhang, "A flexible new technique for camera calibration", 2000), with the
+projection and its derivatives from OpenCV. Its own minimiser cannot free the two prism coefficients alone, nor weigh
+points, and gives no covariance.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fedic._types import Floats
+from fedic.calibration.lens import COEFFICIENTS, Lens
+from fedic.errors import CameraError
+
+__all__ = ["Bundle", "Estimate", "Observation"]
+
+_CORRECTION = 1e-7
+"""The minimum is found when a correction is below this fraction of a standard deviation."""
+_STUCK_DAMPING = 1e12
+_LARGEST_CONDITION = 1e14
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """The points of the target found in one view.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 3)
+        Where they are on the target.
+    pixels : ndarray, shape (n, 2)
+        Where they are seen.
+    """
+
+    points: Floats
+    pixels: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Values of all the unknowns.
+
+    Attributes
+    ----------
+    intrinsics : ndarray, shape (p,)
+        Of `Lens.parameters`.
+    rotations : ndarray, shape (n, 3, 3)
+        From the target to the camera, one per view.
+    translations : ndarray, shape (n, 3)
+        One per view.
+    """
+
+    intrinsics: Floats
+    rotations: Floats
+    translations: Floats
+
+    def of(self, views: list[int]) -> "Estimate":
+        """Return the estimate of some of the views."""
+        return replace(self, rotations=self.rotations[views], translations=self.translations[views])
+
+    def moved(self, step: Floats) -> "Estimate":
+        """Return the estimate moved by a step: intrinsics, then rotation about the camera's axes and translation."""
+        import cv2
+
+        size = len(self.intrinsics)
+        poses = step[size:].reshape(-1, 6)
+        turns = np.array([cv2.Rodrigues(pose[:3])[0] for pose in poses])
+        return Estimate(self.intrinsics + step[:size], turns @ self.rotations, self.translations + poses[:, 3:])
+
+
+class Bundle:
+    """The least-squares problem of some views.
+
+    Parameters
+    ----------
+    lens : Lens
+        Its model.
+    observations : list of Observation
+        One per view.
+    weights : list of ndarray, shape (n,), optional
+        Of the points of each view; one each if not given, and a point of weight zero counts for nothing.
+    """
+
+    def __init__(self, lens: Lens, observations: list[Observation], weights: list[Floats] | None = None) -> None:
+        self._lens = lens
+        self._observations = observations
+        self._weights = weights or [np.ones(len(each.points)) for each in observations]
+
+    def residuals(self, estimate: Estimate) -> list[Floats]:
+        """Return seen minus projected pixels, (n, 2) for each view."""
+        return [self._linearised(estimate, view, derivatives=False)[0] for view in range(len(self._observations))]
+
+    def minimise(self, estimate: Estimate, max_iterations: int) -> tuple[Estimate, bool]:
+        """Move an estimate to the minimum; also say whether it was reached."""
+        normal, gradient, cost = self._normal_equations(estimate)
+        damping = 1e-3
+        for _ in range(max_iterations):
+            scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
+            scaled = normal / np.outer(scale, scale)
+            try:
+                step = np.linalg.solve(scaled + damping * np.eye(len(scaled)), gradient / scale)
+            except np.linalg.LinAlgError:
+                return estimate, False
+            variance = cost / max(self.freedom, 1)
+            trial = estimate.moved(step / scale)
+            if step @ scaled @ step <= _CORRECTION**2 * variance or cost == 0.0:
+                return trial, True
+            trial_cost = self._cost(trial)
+            if trial_cost <= cost:
+                estimate, damping = trial, max(damping / 10.0, 1e-12)
+                normal, gradient, cost = self._normal_equations(estimate)
+            else:
+                damping *= 10.0
+                if damping > _STUCK_DAMPING:
+                    return estimate, False
+        return estimate, False
+
+    @property
+    def freedom(self) -> int:
+        """Number of measured coordinates less the number of unknowns."""
+        counted = sum(int(np.count_nonzero(weights)) for weights in self._weights)
+        return 2 * counted - len(self._lens.parameters) - 6 * len(self._observations)
+
+    def covariance(self, estimate: Estimate) -> Floats:
+        """Return the covariance of all unknowns at the minimum, in the order of `Estimate.moved`.
+
+        The inverse of the normal matrix times the variance of a coordinate, estimated from the residuals.
+
+        Raises
+        ------
+        CameraError
+            If the views leave some combination of the unknowns free.
+        """
+        normal, _, cost = self._normal_equations(estimate)
+        scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
+        scaled = normal / np.outer(scale, scale)
+        if self.freedom <= 0 or not np.linalg.cond(scaled) < _LARGEST_CONDITION:
+            raise CameraError("The views do not determine the parameters of the camera.")
+        inverse: Floats = np.linalg.inv(scaled) / np.outer(scale, scale)
+        return inverse * (cost / self.freedom)
+
+    def _cost(self, estimate: Estimate) -> float:
+        costs = [
+            float((weights * (residual**2).sum(axis=1))[weights > 0.0].sum())
+            for weights, residual in zip(self._weights, self.residuals(estimate), strict=True)
+        ]
+        total = sum(costs)
+        return total if np.isfinite(total) and self._in_front(estimate) else np.inf
+
+    def _in_front(self, estimate: Estimate) -> bool:
+        posed = zip(self._observations, estimate.rotations, estimate.translations, strict=True)
+        return bool(estimate.intrinsics[:2].min() > 0.0) and all(
+            ((each.points @ rotation.T + translation)[:, 2] > 0.0).all() for each, rotation, translation in posed
+        )
+
+    def _normal_equations(self, estimate: Estimate) -> tuple[Floats, Floats, float]:
+        size = len(self._lens.parameters)
+        total = size + 6 * len(self._observations)
+        normal, gradient, cost = np.zeros((total, total)), np.zeros(total), 0.0
+        for view, weights in enumerate(self._weights):
+            residual, jacobian = self._linearised(estimate, view)
+            own = np.r_[0:size, size + 6 * view : size + 6 * (view + 1)]
+            weighted = weights[:, np.newaxis, np.newaxis] * jacobian
+            normal[np.ix_(own, own)] += np.einsum("nci,ncj->ij", weighted, jacobian, optimize=True)
+            gradient[own] += np.einsum("nci,nc->i", weighted, residual)
+            cost += float((weights * (residual**2).sum(axis=1)).sum())
+        return normal, gradient, cost
+
+    def _linearised(self, estimate: Estimate, view: int, *, derivatives: bool = True) -> tuple[Floats, Floats]:
+        """Return the residuals (n, 2) of a view and the derivatives (n, 2, p + 6) of its projections."""
+        import cv2
+
+        seen = self._observations[view]
+        matrix, distortion = self._lens.split(estimate.intrinsics)
+        turned = seen.points @ estimate.rotations[view].T
+        rest = np.zeros(3)
+        pixels, slopes = cv2.projectPoints(turned + estimate.translations[view], rest, rest, matrix, distortion)
+        residual = seen.pixels - pixels.reshape(-1, 2)
+        if not derivatives:
+            return residual, np.empty(0)
+        slopes = slopes.reshape(len(turned), 2, -1)
+        of_position = slopes[:, :, 3:6]
+        of_rotation = np.cross(turned[:, np.newaxis, :], of_position)
+        chosen = [6, 7, 8, 9, *(10 + COEFFICIENTS[name] for name in self._lens.coefficients)]
+        return residual, np.concatenate([slopes[:, :, chosen], of_rotation, of_position], axis=2)
