@@ -113,7 +113,8 @@ def parameter_advice(
     relative = max(deviations[name] / parameters[name] for name in ("fx", "fy"))
     if relative > _POOR_FOCAL:
         advice.append(
-            f"The focal length is known to {100 * relative:.1f} % only: tilt the target more, and fill the image with it."
+            f"The focal length is known to {100 * relative:.1f} % only: tilt the target more, and fill the image with "
+            "it."
         )
     centre = max(deviations["cx"], deviations["cy"])
     if centre > _POOR_CENTRE * max(image_size):

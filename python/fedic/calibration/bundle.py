@@ -11,14 +11,15 @@ import numpy as np
 
 from fedic._types import Floats
 from fedic.calibration.lens import COEFFICIENTS, Lens
+from fedic.calibration.normal_equations import NormalEquations
 from fedic.errors import CameraError
 
 __all__ = ["Bundle", "Estimate", "Observation"]
 
-_CORRECTION = 1e-7
+_CORRECTION = 1e-6
 """The minimum is found when a correction is below this fraction of a standard deviation."""
 _STUCK_DAMPING = 1e12
-_LARGEST_CONDITION = 1e14
+_LARGEST_CONDITION = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,23 +94,19 @@ class Bundle:
 
     def minimise(self, estimate: Estimate, max_iterations: int) -> tuple[Estimate, bool]:
         """Move an estimate to the minimum; also say whether it was reached."""
-        normal, gradient, cost = self._normal_equations(estimate)
+        equations, cost = self._normal_equations(estimate)
         damping = 1e-3
         for _ in range(max_iterations):
-            scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
-            scaled = normal / np.outer(scale, scale)
             try:
-                step = np.linalg.solve(scaled + damping * np.eye(len(scaled)), gradient / scale)
+                step, decrease = equations.step(damping)
             except np.linalg.LinAlgError:
                 return estimate, False
-            variance = cost / max(self.freedom, 1)
-            trial = estimate.moved(step / scale)
-            if step @ scaled @ step <= _CORRECTION**2 * variance or cost == 0.0:
+            trial = estimate.moved(step)
+            if decrease <= _CORRECTION**2 * cost / max(self.freedom, 1):
                 return trial, True
-            trial_cost = self._cost(trial)
-            if trial_cost <= cost:
+            if self._cost(trial) <= cost:
                 estimate, damping = trial, max(damping / 10.0, 1e-12)
-                normal, gradient, cost = self._normal_equations(estimate)
+                equations, cost = self._normal_equations(estimate)
             else:
                 damping *= 10.0
                 if damping > _STUCK_DAMPING:
@@ -132,13 +129,10 @@ class Bundle:
         CameraError
             If the views leave some combination of the unknowns free.
         """
-        normal, _, cost = self._normal_equations(estimate)
-        scale = np.sqrt(np.maximum(np.diag(normal), np.finfo(float).tiny))
-        scaled = normal / np.outer(scale, scale)
-        if self.freedom <= 0 or not np.linalg.cond(scaled) < _LARGEST_CONDITION:
+        equations, cost = self._normal_equations(estimate)
+        if self.freedom <= 0 or not equations.condition < _LARGEST_CONDITION:
             raise CameraError("The views do not determine the parameters of the camera.")
-        inverse: Floats = np.linalg.inv(scaled) / np.outer(scale, scale)
-        return inverse * (cost / self.freedom)
+        return equations.inverse() * (cost / self.freedom)
 
     def _cost(self, estimate: Estimate) -> float:
         costs = [
@@ -154,18 +148,18 @@ class Bundle:
             ((each.points @ rotation.T + translation)[:, 2] > 0.0).all() for each, rotation, translation in posed
         )
 
-    def _normal_equations(self, estimate: Estimate) -> tuple[Floats, Floats, float]:
-        size = len(self._lens.parameters)
-        total = size + 6 * len(self._observations)
-        normal, gradient, cost = np.zeros((total, total)), np.zeros(total), 0.0
+    def _normal_equations(self, estimate: Estimate) -> tuple[NormalEquations, float]:
+        size, count = len(self._lens.parameters), len(self._observations)
+        products = np.empty((count, size + 6, size + 6))
+        gradients = np.empty((count, size + 6))
+        cost = 0.0
         for view, weights in enumerate(self._weights):
             residual, jacobian = self._linearised(estimate, view)
-            own = np.r_[0:size, size + 6 * view : size + 6 * (view + 1)]
-            weighted = weights[:, np.newaxis, np.newaxis] * jacobian
-            normal[np.ix_(own, own)] += np.einsum("nci,ncj->ij", weighted, jacobian, optimize=True)
-            gradient[own] += np.einsum("nci,nc->i", weighted, residual)
-            cost += float((weights * (residual**2).sum(axis=1)).sum())
-        return normal, gradient, cost
+            rows = (np.sqrt(weights)[:, np.newaxis, np.newaxis] * jacobian).reshape(-1, size + 6)
+            values = (np.sqrt(weights)[:, np.newaxis] * residual).ravel()
+            products[view], gradients[view] = rows.T @ rows, rows.T @ values
+            cost += float(values @ values)
+        return NormalEquations(products, gradients, size), cost
 
     def _linearised(self, estimate: Estimate, view: int, *, derivatives: bool = True) -> tuple[Floats, Floats]:
         """Return the residuals (n, 2) of a view and the derivatives (n, 2, p + 6) of its projections."""

@@ -1,9 +1,9 @@
 """Centres of circles, without the errors of perspective and lens.
 
 The image of a circle is a flattened one whose centroid is not the image of the centre: tenths of a pixel for large
-circles seen at an angle. In the plane of the target a circle is a circle. So once the camera is nearly known, the pixels
-around a centre are taken back to the plane and their centroid is formed there, each pixel weighted by how much of the
-circle covers it and by its area in the plane (cf. Datta, Kim and Kanade, 2009).
+circles seen at an angle. In the plane of the target a circle is a circle. So once the camera is nearly known, the
+pixels around a centre are taken back to the plane and their centroid is formed there, each pixel weighted by how much
+of the circle covers it and by its area in the plane (cf. Datta, Kim and Kanade, 2009).
 """
 
 import numpy as np

@@ -77,11 +77,12 @@ def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
     """Find dark circles, or light ones in the negative."""
     import cv2
 
-    options = cv2.SimpleBlobDetector_Params()
+    blobs: Any = cv2  # whose stubs know no SimpleBlobDetector
+    options = blobs.SimpleBlobDetector_Params()
     options.minArea = _SMALLEST_BLOB
     options.maxArea = grey.size / (target.columns * target.rows)
     options.minDistBetweenBlobs = 3.0
-    detector = cv2.SimpleBlobDetector_create(options)
+    detector = blobs.SimpleBlobDetector_create(options)
     layout = cv2.CALIB_CB_SYMMETRIC_GRID if target.kind == "circles" else cv2.CALIB_CB_ASYMMETRIC_GRID
     for picture in (grey, 255 - grey):
         for clustering in (0, cv2.CALIB_CB_CLUSTERING):
@@ -99,7 +100,8 @@ def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
     import cv2
 
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, target.dictionary))
-    best, markers = np.empty(0, dtype=np.int64), 0
+    best: NDArray[Any] = np.empty(0, dtype=np.int64)
+    markers = 0
     corners: Any = None
     for legacy in (False, True):
         board = cv2.aruco.CharucoBoard((target.columns, target.rows), target.pitch, target.marker, dictionary)

@@ -1,10 +1,11 @@
 """The fit of a camera to the points found in several views, with the views and points that do not belong left out.
 
 A first fit to all the points is judged by the noise ``s`` of a point, robustly: the median distance between seen and
-projected points over 1.177, the median of a Rayleigh distribution of deviation one. If some point is further than
-``6 s``, which Gaussian noise does in 2e-8 of all points, the fit is repeated with Cauchy weights, which such points hardly
-move, and judged again: a view whose own noise is over ``3 s``, or with more than a fifth of its points beyond ``6 s``, is
-rejected; single points beyond are left out. The last fit is plain least squares on what is kept.
+projected points over 1.177, the median of a Rayleigh distribution of deviation one; but at least 0.02 px, since smaller
+differences are the detection's own. If some point is further than ``6 s``, which Gaussian noise does in 2e-8 of all
+points, the fit is repeated with Cauchy weights, which such points hardly move, and judged again: a view whose own noise
+is over ``3 s``, or with more than a fifth of its points beyond ``6 s``, is rejected; single points beyond are left out.
+The last fit is plain least squares on what is kept.
 """
 
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ _FAR_POINT = 6.0
 _NOISY_VIEW = 3.0
 _SPOILT_VIEW = 0.2
 _CAUCHY = 2.385
-_SMALLEST_NOISE = 1e-4
+_SMALLEST_NOISE = 0.02
 _ROUNDS = 30
 _MAX_ITERATIONS = 100
 _FEWEST_VIEWS = 2

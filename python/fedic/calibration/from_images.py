@@ -126,6 +126,6 @@ def _too_few(target: Target, names: list[str], faults: dict[int, str]) -> str:
     causes = "".join(f"\n  {names[index]}: {fault}" for index, fault in listed)
     more = f"\n  ... and {len(faults) - len(listed)} more" if len(faults) > len(listed) else ""
     return (
-        f"The target {target} was found in {count} of {len(names)} images; a calibration needs at least 2, better 10 to "
-        f"20, from different directions.{causes}{more}"
+        f"The target {target} was found in {count} of {len(names)} images; a calibration needs at least 2, better 10 "
+        f"to 20, from different directions.{causes}{more}"
     )

@@ -75,7 +75,27 @@ def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observatio
 
 
 def explained_fit(lens: Lens, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
-    """Fit, and explain where the views are why the camera is not determined."""
+    """Fit a camera; where that fails, say what the directions of the views have to do with it.
+
+    Parameters
+    ----------
+    lens : Lens
+        The model.
+    seen : list of Observation
+        One per view.
+    image_size : (int, int)
+        Width and height in pixels.
+
+    Returns
+    -------
+    Fit
+        The minimum.
+
+    Raises
+    ------
+    CameraError
+        If the views do not determine the camera, or the fit does not converge.
+    """
     try:
         found = fit(lens, seen, image_size)
         values, deviations = found.estimate.intrinsics[:2], np.sqrt(np.diag(found.covariance)[:2])
@@ -97,6 +117,37 @@ def assembled(
     image_size: tuple[int, int],
     wanted: int | str | None,
 ) -> Calibration:
+    """Put a calibration together.
+
+    Parameters
+    ----------
+    lens : Lens
+        The model.
+    seen : list of Observation
+        What was found, in the views `found`.
+    found : list of int
+        Indices of the images in which the target was found.
+    names : list of str
+        Of all the images.
+    faults : dict of int to str
+        Why it was not found in the others.
+    final : Fit
+        The fit to `seen`.
+    image_size : (int, int)
+        Width and height in pixels.
+    wanted : int or str, optional
+        Whose pose the camera takes.
+
+    Returns
+    -------
+    Calibration
+        The whole.
+
+    Raises
+    ------
+    CameraError
+        If there is no view `wanted`.
+    """
     places = {index: place for place, index in enumerate(found)}
     views = tuple(
         _seen_view(name, seen[places[index]], final, places[index])

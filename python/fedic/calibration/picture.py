@@ -13,7 +13,7 @@ __all__ = ["draw_residuals"]
 
 _INCHES = 8.0
 _CELLS = 16
-_ARROW = 0.03
+_ARROW = 0.02
 """Length of the arrow of a root mean square residual, in widths of the image."""
 
 
@@ -68,7 +68,7 @@ def draw_residuals(calibration: "Calibration") -> Figure:
                 label=f"{label} ({mask.sum()} points)",
             )
     axes.plot(*calibration.camera.principal_point, "+", color="tab:orange", markersize=14, label="principal point")
-    axes.legend(loc="upper left", fontsize="small", framealpha=0.8)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=3, fontsize="small", frameon=False)
     axes.set_title(
         f"{len(accepted)} of {len(calibration.views)} views, {calibration.reprojection_error:.3f} px rms, "
         f"arrows {magnification:.0f} times enlarged"

@@ -141,7 +141,7 @@ class Calibration:
             "reprojection_error": self.reprojection_error,
             "views_accepted": sum(view.accepted for view in self.views),
             "views_given": len(self.views),
-            "pose_of": self.views[self.view].name,
+            "pose_of": Path(self.views[self.view].name).name,
             "distortion": self.distortion,
             **{f"std_{name}": deviation for name, deviation in self.standard_deviations.items()},
         }

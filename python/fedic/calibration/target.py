@@ -1,4 +1,4 @@
-"""Calibration targets: what a specification such as ``chessboard:11x7:8`` means, and where the points of a target are."""
+"""Calibration targets: what a specification such as ``chessboard:11x7:8`` means, and where its points are."""
 
 import re
 from dataclasses import dataclass
@@ -16,10 +16,10 @@ Kind: TypeAlias = Literal["chessboard", "circles", "asymmetric-circles", "charuc
 _FORMS: dict[Kind, str] = {
     "chessboard": "chessboard:COLUMNSxROWS:SQUARE, such as chessboard:11x7:8 (inner corners, side of a square)",
     "circles": "circles:COLUMNSxROWS:PITCH, such as circles:9x7:10 (circles, distance of two neighbours)",
-    "asymmetric-circles": "asymmetric-circles:COLUMNSxROWS:PITCH, such as asymmetric-circles:4x11:10 (circles of a row, "
-    "rows, distance of two rows)",
-    "charuco": "charuco:COLUMNSxROWS:SQUARE:MARKER:DICTIONARY, such as charuco:12x8:10:7:DICT_5X5_100 (squares, side of "
-    "a square, side of a marker, name in OpenCV)",
+    "asymmetric-circles": "asymmetric-circles:COLUMNSxROWS:PITCH, such as asymmetric-circles:4x11:10 (circles of a "
+    "row, rows, distance of two rows)",
+    "charuco": "charuco:COLUMNSxROWS:SQUARE:MARKER:DICTIONARY, such as charuco:12x8:10:7:DICT_5X5_100 (squares, side "
+    "of a square, side of a marker, name in OpenCV)",
 }
 _SMALLEST = 2
 
@@ -108,7 +108,9 @@ def parse_target(text: str) -> Target:
     if kind != "charuco":
         return Target(kind, columns, rows, lengths[0])
     if lengths[1] >= lengths[0]:
-        raise CameraError(f"target {text!r}: a marker ({lengths[1]:g}) must be smaller than its square ({lengths[0]:g}).")
+        raise CameraError(
+            f"target {text!r}: a marker ({lengths[1]:g}) must be smaller than its square ({lengths[0]:g})."
+        )
     return Target(kind, columns, rows, lengths[0], lengths[1], _known_dictionary(text, fields[3]))
 
 

@@ -11,7 +11,7 @@ from fedic.camera_files.toml import read_toml, write_toml
 from fedic.camera_files.vic3d import read_vic3d
 from fedic.errors import CameraError
 
-__all__ = ["read_camera", "write_camera"]
+__all__ = ["check_writable", "read_camera", "write_camera"]
 
 _READERS: dict[str, Callable[[Path, int], Camera]] = {
     ".toml": read_toml,
@@ -25,7 +25,7 @@ _READERS: dict[str, Callable[[Path, int], Camera]] = {
 _OPENCV = (".yml", ".yaml", ".xml")
 
 
-def read_camera(path: StrPath, *, camera: int = 0) -> Camera:
+def read_camera(path: StrPath, *, number: int = 0) -> Camera:
     """Read a calibrated camera.
 
     Parameters
@@ -33,7 +33,7 @@ def read_camera(path: StrPath, *, camera: int = 0) -> Camera:
     path : str or path
         By its suffix: ``.toml`` (fedic), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV), ``.npz`` (arrays under OpenCV's
         usual names), ``.txt`` (report of VIC-3D), ``.caldat`` (MatchID).
-    camera : int
+    number : int
         Which one, where the file holds two: 0 or 1.
 
     Returns
@@ -54,7 +54,7 @@ def read_camera(path: StrPath, *, camera: int = 0) -> Camera:
         raise CameraError(f"{path}: a camera is not read from {path.suffix!r}; give one of {', '.join(_READERS)}.")
     if not path.is_file():
         raise CameraError(f"{path}: there is no such camera file; check the path.")
-    return reader(path, camera)
+    return reader(path, number)
 
 
 def write_camera(
@@ -86,13 +86,32 @@ def write_camera(
         If it cannot be written.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix != ".toml" and suffix not in _OPENCV:
-        raise CameraError(f"{path}: a camera is not written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
-    if path.exists() and not overwrite:
-        raise CameraError(f"{path}: this camera file exists and was left as it is; overwrite=True replaces it.")
-    if suffix == ".toml":
+    check_writable(path, overwrite=overwrite)
+    if path.suffix.lower() == ".toml":
         write_toml(camera, path, notes or {})
     else:
         write_opencv(camera, path)
     return path
+
+
+def check_writable(path: Path, *, overwrite: bool) -> None:
+    """Check, before any long work, that a camera can be written to a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    overwrite : bool
+        Whether it may exist.
+
+    Raises
+    ------
+    CameraError
+        If it exists and may not, or its suffix is none that is written.
+    """
+    if path.suffix.lower() not in (".toml", *_OPENCV):
+        raise CameraError(f"{path}: a camera is not written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
+    if path.exists() and not overwrite:
+        raise CameraError(
+            f"{path}: this camera file exists and was left as it is; overwrite=True (--overwrite) replaces it."
+        )

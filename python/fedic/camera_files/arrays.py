@@ -13,11 +13,11 @@ from fedic.errors import CameraError
 __all__ = ["read_arrays"]
 
 
-def read_arrays(path: Path, camera: int) -> Pinhole:
+def read_arrays(path: Path, number: int) -> Pinhole:
     """Read a camera from arrays under OpenCV's usual names."""
     try:
         with np.load(path, allow_pickle=False) as arrays:
-            keys = find_key(path, list(arrays.files), camera)
+            keys = find_key(path, list(arrays.files), number)
             found = {what: (key, arrays[key]) for what, key in keys.items()}
     except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
         raise CameraError(f"{path}: NumPy cannot read this file: truncated, or of another format ({error}).") from error

@@ -26,18 +26,18 @@ _ANGLES, _DISTANCES = ("Theta", "Phi", "Psi"), ("Tx", "Ty", "Tz")
 _CAMERA = re.compile(r"cam(\d+)_(.*)", re.IGNORECASE)
 
 
-def read_matchid(path: Path, camera: int) -> Pinhole:
+def read_matchid(path: Path, number: int) -> Pinhole:
     """Read one of the cameras of a file; those of a pair are called Cam0 and Cam1, or Cam1 and Cam2."""
     values = _values(path)
     numbered = [(int(match[1]), match[2], value) for key, value in values.items() if (match := _CAMERA.fullmatch(key))]
     cameras = sorted({number for number, _, _ in numbered})
     if not cameras:
         raise CameraError(f"{path}: no key such as 'Cam1_Fx [pixels]'; is this a calibration file of MatchID?")
-    if not 0 <= camera < len(cameras):
+    if not 0 <= number < len(cameras):
         names = ", ".join(f"Cam{number}" for number in cameras)
-        raise CameraError(f"{path}: camera {camera} was asked for, the file holds {len(cameras)}: {names}, from 0.")
-    prefix = f"Cam{cameras[camera]}_"
-    own = {key: value for number, key, value in numbered if number == cameras[camera]}
+        raise CameraError(f"{path}: camera {number} was asked for, the file holds {len(cameras)}: {names}, from 0.")
+    prefix = f"Cam{cameras[number]}_"
+    own = {key: value for number, key, value in numbered if number == cameras[number]}
     for key in _REQUIRED:
         if key not in own:
             raise CameraError(f"{path}: {prefix}{key} is missing; is the file truncated?")
@@ -45,8 +45,8 @@ def read_matchid(path: Path, camera: int) -> Pinhole:
         if key not in _INTRINSICS and value != 0.0:
             raise CameraError(f"{path}: {prefix}{key} = {value:g} is not in fedic's lens model.")
     intrinsics = {name: own.get(key, 0.0) for key, name in _INTRINSICS.items()}
-    pose = [0.0] * 6 if camera == 0 else [_required(path, values, key) for key in _ANGLES + _DISTANCES]
-    return stereo_camera(path, camera, intrinsics, (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5]))
+    pose = [0.0] * 6 if number == 0 else [_required(path, values, key) for key in _ANGLES + _DISTANCES]
+    return stereo_camera(path, number, intrinsics, (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5]))
 
 
 def _values(path: Path) -> dict[str, float]:

@@ -59,7 +59,9 @@ def camera_from_matrices(
     """
     k = numbers(path, *matrix, size=9).reshape(3, 3)
     if k[1, 0] != 0.0 or not np.array_equal(k[2], [0.0, 0.0, 1.0]):
-        raise CameraError(f"{path}: {matrix[0]} is no camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]: {k.tolist()}.")
+        raise CameraError(
+            f"{path}: {matrix[0]} is no camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]: {k.tolist()}."
+        )
     turn = None if rotation is None else numbers(path, *rotation)
     if turn is not None and turn.size not in (3, 9):
         raise CameraError(f"{path}: {rotation[0] if rotation else ''} holds {turn.size} numbers, not 3 or 9.")

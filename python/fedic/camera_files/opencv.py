@@ -32,7 +32,7 @@ _PAIRS = {
 _OTHER_MODELS = ("equidistant", "fisheye", "rational_polynomial", "thin_prism")
 
 
-def find_key(path: Path, names: list[str], camera: int) -> dict[str, str]:
+def find_key(path: Path, names: list[str], number: int) -> dict[str, str]:
     """Return the key of each matrix among the names in a file.
 
     Parameters
@@ -41,7 +41,7 @@ def find_key(path: Path, names: list[str], camera: int) -> dict[str, str]:
         The file, for messages.
     names : list of str
         What it holds.
-    camera : int
+    number : int
         0, or 1 for the second of two.
 
     Returns
@@ -55,30 +55,32 @@ def find_key(path: Path, names: list[str], camera: int) -> dict[str, str]:
         If there is no camera matrix, or no such camera.
     """
     single = {what: next((key for key in keys if key in names), "") for what, keys in KEYS.items()}
-    forms = {what: [key.format(camera + 1) for key in keys] for what, keys in _PAIRS.items()}
+    forms = {what: [key.format(number + 1) for key in keys] for what, keys in _PAIRS.items()}
     paired = {what: next((key for key in keys if key in names), "") for what, keys in forms.items()}
     if single["matrix"]:
-        if camera != 0:
-            raise CameraError(f"{path}: camera {camera} was asked for, the file holds one, number 0.")
+        if number != 0:
+            raise CameraError(f"{path}: camera {number} was asked for, the file holds one, number 0.")
         return {what: key for what, key in single.items() if key}
     if not paired["matrix"]:
         expected = ", ".join([*KEYS["matrix"], *forms["matrix"]])
         raise CameraError(
-            f"{path}: no camera matrix {f'of camera {camera} ' if camera else ''}is under any of the keys {expected}; "
+            f"{path}: no camera matrix {f'of camera {number} ' if number else ''}is under any of the keys {expected}; "
             f"the file holds {', '.join(names) or 'nothing'}."
         )
-    pose = {what: single[what] for what in ("rotation", "translation")} if camera else {}
+    pose = {what: single[what] for what in ("rotation", "translation")} if number else {}
     return {what: key for what, key in {**paired, **pose}.items() if key}
 
 
-def read_opencv(path: Path, camera: int) -> Pinhole:
+def read_opencv(path: Path, number: int) -> Pinhole:
     """Read a camera from a file of OpenCV's ``FileStorage``, or of ROS."""
     root, storage = _opened(path)
     names = [name for name in root.keys() if root.getNode(name) is not None]  # noqa: SIM118 - a FileNode is no dict
     model = root.getNode("distortion_model").string() if "distortion_model" in names else ""
     if model in _OTHER_MODELS or ("fisheye_model" in names and root.getNode("fisheye_model").real() != 0.0):
-        raise CameraError(f"{path}: the lens model {model or 'fisheye'!r} is not fedic's; calibrate as a pinhole camera.")
-    keys = find_key(path, names, camera)
+        raise CameraError(
+            f"{path}: the lens model {model or 'fisheye'!r} is not fedic's; calibrate as a pinhole camera."
+        )
+    keys = find_key(path, names, number)
     found = {what: (key, _matrix(path, key, root.getNode(key))) for what, key in keys.items()}
     storage.release()
     return camera_from_matrices(

@@ -33,7 +33,7 @@ def rotation_from_angles(x: float, y: float, z: float) -> Floats:
 
 def stereo_camera(
     path: Path,
-    camera: int,
+    number: int,
     intrinsics: dict[str, float],
     angles: tuple[float, float, float],
     distances: tuple[float, float, float],
@@ -44,7 +44,7 @@ def stereo_camera(
     ----------
     path : Path
         The file, for messages.
-    camera : int
+    number : int
         0 or 1.
     intrinsics : dict of str to float
         ``fx fy fs cx cy k1 k2 k3 d1 d2``, of that camera.
@@ -63,17 +63,15 @@ def stereo_camera(
     """
     fx, fs = intrinsics["fx"], intrinsics["fs"]
     angle = float(np.arctan2(fx, fs)) if fs else np.pi / 2
-    lens = BrownDistortion(
-        (intrinsics["k1"], intrinsics["k2"], intrinsics["k3"]), (intrinsics["d1"], intrinsics["d2"])
-    )
+    lens = BrownDistortion((intrinsics["k1"], intrinsics["k2"], intrinsics["k3"]), (intrinsics["d1"], intrinsics["d2"]))
     try:
         return Pinhole(
             (fx, intrinsics["fy"] * float(np.sin(angle))),
             (intrinsics["cx"], intrinsics["cy"]),
-            rotation=rotation_from_angles(*angles) if camera else None,
-            translation=distances if camera else (0.0, 0.0, 0.0),
+            rotation=rotation_from_angles(*angles) if number else None,
+            translation=distances if number else (0.0, 0.0, 0.0),
             skew_angle=angle,
             distortion=lens,
         )
     except CameraError as error:
-        raise CameraError(f"{path}: camera {camera}: {error}") from None
+        raise CameraError(f"{path}: camera {number}: {error}") from None

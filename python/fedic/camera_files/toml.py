@@ -12,17 +12,17 @@ from fedic.files import replacing
 
 __all__ = ["read_toml", "write_toml"]
 
-_HEADER = "# A camera for fedic: name it in the configuration of a run as  [camera]  file = \"{name}\"\n"
+_HEADER = '# A camera for fedic; in the configuration of a run: [camera], file = "{name}".\n'
 
 
-def read_toml(path: Path, camera: int) -> Camera:
+def read_toml(path: Path, number: int) -> Camera:
     """Read a camera; the section ``[calibration]`` is for people."""
     from fedic.config import parse_camera, read_tables
 
-    if camera != 0:
-        raise CameraError(f"{path}: camera {camera} was asked for, the file holds one, number 0.")
+    if number != 0:
+        raise CameraError(f"{path}: camera {number} was asked for, the file holds one, number 0.")
     try:
-        content = read_tables(path)
+        content = read_tables(path, "camera")
         content.pop("calibration", None)
         return parse_camera(path, content)
     except ConfigError as error:

@@ -24,7 +24,7 @@ _KNOWN_LINES = ("Magnification",)
 _HEADING = re.compile(r"Camera (\d+) intrinsics")
 
 
-def read_vic3d(path: Path, camera: int) -> Pinhole:
+def read_vic3d(path: Path, number: int) -> Pinhole:
     """Read one of the cameras of a report.
 
     The second camera's point is ``X_1 = Rz Ry Rx X_0 + T``; the report does not say so, its magnifications do.
@@ -32,10 +32,10 @@ def read_vic3d(path: Path, camera: int) -> Pinhole:
     sections = _sections(path)
     if not any(_HEADING.fullmatch(name) for name in sections):
         raise CameraError(f"{path}: no line 'Camera 0 intrinsics:'; is this a calibration report of VIC-3D?")
-    heading = f"Camera {camera} intrinsics"
+    heading = f"Camera {number} intrinsics"
     if heading not in sections:
         there = [name for name in sections if _HEADING.fullmatch(name)]
-        raise CameraError(f"{path}: camera {camera} was asked for, the report holds {', '.join(there)}.")
+        raise CameraError(f"{path}: camera {number} was asked for, the report holds {', '.join(there)}.")
     intrinsics = dict(_OPTIONAL) | {"d1": 0.0, "d2": 0.0}
     for key, value in sections[heading].items():
         if key in _INTRINSICS:
@@ -45,8 +45,12 @@ def read_vic3d(path: Path, camera: int) -> Pinhole:
     for key, name in _INTRINSICS.items():
         if name not in intrinsics:
             raise CameraError(f"{path}: {heading}: {key} is missing; is the report truncated?")
-    angles, distances = ((0.0, 0.0, 0.0),) * 2 if camera == 0 else (_triple(path, sections, "Angles"), _triple(path, sections, "Distances"))
-    return stereo_camera(path, camera, intrinsics, angles, distances)
+    angles, distances = (
+        ((0.0, 0.0, 0.0),) * 2
+        if number == 0
+        else (_triple(path, sections, "Angles"), _triple(path, sections, "Distances"))
+    )
+    return stereo_camera(path, number, intrinsics, angles, distances)
 
 
 def _sections(path: Path) -> dict[str, dict[str, str]]:
