@@ -4,7 +4,7 @@ import numpy as np
 
 from fedic._types import Floats
 
-__all__ = ["coverage_advice", "parameter_advice", "tilt_advice", "view_advice"]
+__all__ = ["correlation_advice", "coverage_advice", "parameter_advice", "tilt_advice", "view_advice"]
 
 _FEW_VIEWS = 6
 _SMALL_TILT = 10.0
@@ -13,6 +13,7 @@ _POOR_FOCAL = 0.005
 _POOR_CENTRE = 0.01
 _LARGE_ERROR = 0.5
 _SIGNIFICANT = 2.0
+_EXCHANGEABLE = 0.998
 
 
 def view_advice(accepted: int, error: float) -> list[str]:
@@ -131,3 +132,31 @@ def parameter_advice(
             f"Not told from zero: {', '.join(weak)}. A simpler lens model would do, or more views near the borders."
         )
     return advice
+
+
+def correlation_advice(names: tuple[str, ...], covariance: Floats) -> list[str]:
+    """Name the pair of parameters that can best take each other's place.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The parameters.
+    covariance : ndarray, shape (p + ..., p + ...)
+        Theirs first.
+
+    Returns
+    -------
+    list of str
+        Sentences.
+    """
+    own = covariance[: len(names), : len(names)]
+    deviations = np.sqrt(np.diag(own))
+    correlation = np.abs(np.triu(own / np.outer(deviations, deviations), 1))
+    first, second = np.unravel_index(int(correlation.argmax()), correlation.shape)
+    if correlation[first, second] < _EXCHANGEABLE:
+        return []
+    return [
+        f"{names[first]} and {names[second]} can hardly be told apart (correlation {correlation[first, second]:.4f}), and "
+        "their standard deviations are too small where the least squares are this far from linear: choose a lens model "
+        "without one of them, or tilt the target more."
+    ]

@@ -16,8 +16,10 @@ from fedic.errors import CameraError
 
 __all__ = ["Bundle", "Estimate", "Observation"]
 
-_CORRECTION = 1e-6
+_CORRECTION = 1e-5
 """The minimum is found when a correction is below this fraction of a standard deviation."""
+_IMMATERIAL = 1e-3
+"""Likewise where a step does not lower the cost: so close to the minimum that is rounding."""
 _STUCK_DAMPING = 1e12
 _LARGEST_CONDITION = 1e12
 
@@ -98,15 +100,19 @@ class Bundle:
         damping = 1e-3
         for _ in range(max_iterations):
             try:
-                step, decrease = equations.step(damping)
+                newton, correction = equations.step(0.0)
+                step, _ = equations.step(damping)
             except np.linalg.LinAlgError:
                 return estimate, False
+            deviations = np.sqrt(max(correction, 0.0) * max(self.freedom, 1) / max(cost, np.finfo(float).tiny))
+            if deviations <= _CORRECTION:
+                return estimate.moved(newton), True
             trial = estimate.moved(step)
-            if decrease <= _CORRECTION**2 * cost / max(self.freedom, 1):
-                return trial, True
-            if self._cost(trial) <= cost:
+            if self._cost(trial) < cost:
                 estimate, damping = trial, max(damping / 10.0, 1e-12)
                 equations, cost = self._normal_equations(estimate)
+            elif deviations <= _IMMATERIAL:
+                return estimate, True
             else:
                 damping *= 10.0
                 if damping > _STUCK_DAMPING:

@@ -28,7 +28,7 @@ _SPOILT_VIEW = 0.2
 _CAUCHY = 2.385
 _SMALLEST_NOISE = 0.02
 _ROUNDS = 30
-_MAX_ITERATIONS = 100
+_MAX_ITERATIONS = 500
 _FEWEST_VIEWS = 2
 
 
@@ -135,7 +135,10 @@ def _refitted(
     bundle = Bundle(lens, [observations[view] for view in accepted], weights)
     kept, converged = bundle.minimise(estimate.of(accepted), _MAX_ITERATIONS)
     if not converged:
-        raise CameraError(f"The fit did not converge in {_MAX_ITERATIONS} iterations.")
+        raise CameraError(
+            f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views leave some parameter open, or the points "
+            "found are not those of one flat target."
+        )
     rotations, translations = estimate.rotations.copy(), estimate.translations.copy()
     rotations[accepted], translations[accepted] = kept.rotations, kept.translations
     for view in set(range(len(observations))) - set(accepted):

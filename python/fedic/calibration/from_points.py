@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fedic.calibration.advice import coverage_advice, parameter_advice, tilt_advice, view_advice
+from fedic.calibration.advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
 from fedic.calibration.bundle import Observation
 from fedic.calibration.fit import Fit, fit
 from fedic.calibration.lens import Lens, parse_lens, pinhole
@@ -102,9 +102,16 @@ def explained_fit(lens: Lens, seen: list[Observation], image_size: tuple[int, in
         if np.any(deviations > _POOREST_FOCAL * values):
             raise CameraError(f"The views leave the focal length open: {values[0]:.4g} ± {deviations[0]:.2g} px.")
     except CameraError as fault:
-        causes = tilt_advice(start(lens, seen, image_size).rotations) if len(seen) > 1 else []
-        raise CameraError(" ".join([str(fault), *causes])) from None
+        raise CameraError(" ".join([str(fault), *_causes(lens, seen, image_size)])) from None
     return found
+
+
+def _causes(lens: Lens, seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
+    """Say what the directions of the views, as they are thought to be before the fit, have to do with its failure."""
+    try:
+        return tilt_advice(start(lens, seen, image_size).rotations) if len(seen) > 1 else []
+    except CameraError:
+        return []
 
 
 def assembled(
@@ -166,6 +173,7 @@ def assembled(
         *tilt_advice(final.estimate.rotations[final.accepted]),
         *coverage_advice(np.concatenate([view.pixels[view.used] for view in views if view.accepted]), image_size),
         *parameter_advice(parameters, deviations, image_size),
+        *correlation_advice(lens.parameters, final.covariance),
     ]
     camera = pinhole(lens, final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
     return Calibration(

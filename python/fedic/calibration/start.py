@@ -29,13 +29,21 @@ def start(lens: Lens, observations: list[Observation], image_size: tuple[int, in
     -------
     Estimate
         Zhang's closed form with the principal point at the centre and no distortion.
+
+    Raises
+    ------
+    CameraError
+        If the points of a view lie on a line.
     """
     import cv2
 
     points = [each.points.astype(np.float32) for each in observations]
     pixels = [each.pixels.astype(np.float32) for each in observations]
     side = float(max(image_size))
-    matrix = np.asarray(cv2.initCameraMatrix2D(points, pixels, image_size, aspectRatio=1.0))
+    try:
+        matrix = np.asarray(cv2.initCameraMatrix2D(points, pixels, image_size, aspectRatio=1.0))
+    except cv2.error as error:
+        raise CameraError("The points of some view lie on a line, or nearly so: no pose explains them.") from error
     focal = float(matrix[0, 0])
     if not _FOCAL_RANGE[0] * side <= focal <= _FOCAL_RANGE[1] * side:
         focal = float(np.sqrt(_FOCAL_RANGE[0] * _FOCAL_RANGE[1])) * side
