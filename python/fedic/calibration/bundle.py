@@ -20,6 +20,7 @@ _CORRECTION = 1e-5
 """The minimum is found when a correction is below this fraction of a standard deviation."""
 _IMMATERIAL = 1e-3
 """Likewise where a step does not lower the cost: so close to the minimum that is rounding."""
+_EXACT_PX = 1e-8
 _STUCK_DAMPING = 1e12
 _LARGEST_CONDITION = 1e12
 
@@ -104,7 +105,8 @@ class Bundle:
                 step, _ = equations.step(damping)
             except np.linalg.LinAlgError:
                 return estimate, False
-            deviations = np.sqrt(max(correction, 0.0) * max(self.freedom, 1) / max(cost, np.finfo(float).tiny))
+            noise = max(np.sqrt(cost / max(self.freedom, 1)), _EXACT_PX)
+            deviations = np.sqrt(max(correction, 0.0)) / noise
             if deviations <= _CORRECTION:
                 return estimate.moved(newton), True
             trial = estimate.moved(step)
