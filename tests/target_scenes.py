@@ -20,7 +20,7 @@ def pinhole(
 
 
 def poses(target: Target, count: int, lens: fedic.BrownDistortion) -> list[fedic.Pinhole]:
-    """Return cameras that see the whole target, as large as it goes, tilted about all axes, in all parts of the image."""
+    """Return cameras that see the whole target, as large as it goes, tilted about all axes, all over the image."""
     rng = np.random.default_rng(0)
     if target.kind == "charuco":
         low, high = np.zeros(2), np.array([target.columns, target.rows]) * target.pitch

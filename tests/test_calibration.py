@@ -1,4 +1,4 @@
-"""Calibration: against OpenCV, by Monte Carlo, on rendered targets and on real images, and what is said when it fails."""
+"""Calibration: against OpenCV, by Monte Carlo, on rendered targets, on real images, what is said when it fails."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -243,7 +243,7 @@ def test_advice_names_what_is_missing() -> None:
     assert "Not told from zero: k" in advice
     assert "No point of the target comes near the corner" in advice
     assert from_board(noisy(pixels, 0)).advice == []
-    assert "and d2 can hardly be told apart (correlation 0.99" in " ".join(
+    assert "and p2 can hardly be told apart (correlation 0.99" in " ".join(
         from_board(noisy(pixels, 0), "brown+prism").advice
     )
     facing = np.diag([1.0, -1.0, -1.0])

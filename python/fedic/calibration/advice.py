@@ -156,7 +156,7 @@ def correlation_advice(names: tuple[str, ...], covariance: Floats) -> list[str]:
     if correlation[first, second] < _EXCHANGEABLE:
         return []
     return [
-        f"{names[first]} and {names[second]} can hardly be told apart (correlation {correlation[first, second]:.4f}), and "
-        "their standard deviations are too small where the least squares are this far from linear: choose a lens model "
+        f"{names[first]} and {names[second]} can hardly be told apart (correlation {correlation[first, second]:.4f}) "
+        "and the least squares are far from linear, so that their standard deviations are too small: choose a lens model "
         "without one of them, or tilt the target more."
     ]

@@ -136,8 +136,8 @@ def _refitted(
     kept, converged = bundle.minimise(estimate.of(accepted), _MAX_ITERATIONS)
     if not converged:
         raise CameraError(
-            f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views leave some parameter open, or the points "
-            "found are not those of one flat target."
+            f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views leave some parameter open, or the "
+            "points found are not those of one flat target."
         )
     rotations, translations = estimate.rotations.copy(), estimate.translations.copy()
     rotations[accepted], translations[accepted] = kept.rotations, kept.translations

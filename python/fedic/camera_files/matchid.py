@@ -37,7 +37,7 @@ def read_matchid(path: Path, number: int) -> Pinhole:
         names = ", ".join(f"Cam{number}" for number in cameras)
         raise CameraError(f"{path}: camera {number} was asked for, the file holds {len(cameras)}: {names}, from 0.")
     prefix = f"Cam{cameras[number]}_"
-    own = {key: value for number, key, value in numbered if number == cameras[number]}
+    own = {key: value for each, key, value in numbered if each == cameras[number]}
     for key in _REQUIRED:
         if key not in own:
             raise CameraError(f"{path}: {prefix}{key} is missing; is the file truncated?")
