@@ -54,7 +54,7 @@ def test_points_without_noise_give_the_camera_back(distortion: str) -> None:
     np.testing.assert_allclose(calibration.camera.project(BOARD.points), pixels[0], rtol=0, atol=1e-5)
 
 
-@pytest.mark.parametrize("distortion", ["radial1", "brown", "radial2+prism"])
+@pytest.mark.parametrize("distortion", ["brown", "radial2+prism"])
 def test_parameters_lie_within_their_standard_deviations(distortion: str) -> None:
     """The issue: within 3 of them in 95 of 100 draws. Those of a pose and the scatter itself are checked beside."""
     pixels, lens = views(distortion), LENSES[distortion]
@@ -82,7 +82,6 @@ def test_parameters_lie_within_their_standard_deviations(distortion: str) -> Non
     [
         ("radial1", 0.060, cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST),
         ("brown", 0.050, 0),
-        ("radial2", 0.060, cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST),
     ],
 )
 def test_a_real_chessboard(shared_data: Callable[[str], Path], distortion: str, limit: float, flags: int) -> None:
@@ -342,4 +341,10 @@ def test_command_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     outcome = RUNNER.invoke(app, [*arguments, "--overwrite", "--view", "view-2.png"])
     assert outcome.exit_code == 0, outcome.output
     assert "Camera replaced in camera.toml" in outcome.stdout
+    for name, fault in (("no/camera.toml", "the folder no does not exist"), ("camera.json", "not written as '.json'")):
+        outcome = RUNNER.invoke(app, [*arguments, "--output", name])
+        assert outcome.exit_code == 2
+        assert fault in outcome.stderr
+    outcome = RUNNER.invoke(app, ["calibrate", *images, "--target", "chessboard:7x5:12", "--picture", "a.bmp"])
+    assert "a.bmp: the picture is drawn as .png" in outcome.stderr
     assert 'pose_of = "view-2.png"' in Path("camera.toml").read_text()

@@ -103,9 +103,12 @@ def calibrate_command(
     """Calibrate a camera from images of a flat target."""
     with _faults_reported():
         from fedic.calibration import calibrate
+        from fedic.calibration.picture import check_picture
         from fedic.camera_files import check_writable
 
         check_writable(output, overwrite=overwrite)
+        if picture is not None:
+            check_picture(picture)
         with TerminalProgress("calibration") as progress:
             calibration = calibrate([*images], target, distortion, view=view, progress=progress.fraction)
         _print_calibration(calibration)

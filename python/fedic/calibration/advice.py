@@ -157,6 +157,6 @@ def correlation_advice(names: tuple[str, ...], covariance: Floats) -> list[str]:
         return []
     return [
         f"{names[first]} and {names[second]} can hardly be told apart (correlation {correlation[first, second]:.4f}) "
-        "and the least squares are far from linear, so that their standard deviations are too small: choose a lens model "
-        "without one of them, or tilt the target more."
+        "and the least squares are far from linear, so that their standard deviations are too small: choose a lens "
+        "model without one of them, or tilt the target more."
     ]

@@ -1,20 +1,40 @@
 """The picture of a calibration: residual vectors over the image, and how often each part of it is covered."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from fedic.errors import FedicError
+
 if TYPE_CHECKING:
     from fedic.calibration.result import Calibration
 
-__all__ = ["draw_residuals"]
+__all__ = ["check_picture", "draw_residuals"]
 
 _INCHES = 8.0
 _CELLS = 16
 _ARROW = 0.02
 """Length of the arrow of a root mean square residual, in widths of the image."""
+
+
+def check_picture(path: Path) -> None:
+    """Check, before any long work, that a picture can be drawn in a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    FedicError
+        If it is no ``.png`` file.
+    """
+    if path.suffix.lower() != ".png":
+        raise FedicError(f"{path}: the picture is drawn as .png only; change the name.")
 
 
 def draw_residuals(calibration: "Calibration") -> Figure:

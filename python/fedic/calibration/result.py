@@ -107,11 +107,12 @@ class Calibration:
         Raises
         ------
         FedicError
-            If it cannot be written.
+            If the suffix is another, or it cannot be written.
         """
-        from fedic.calibration.picture import draw_residuals
+        from fedic.calibration.picture import check_picture, draw_residuals
         from fedic.plot import save_figure
 
+        check_picture(Path(path))
         save_figure(draw_residuals(self), Path(path))
 
     def write(self, path: StrPath, *, overwrite: bool = False) -> Path:

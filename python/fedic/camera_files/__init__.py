@@ -9,7 +9,7 @@ from fedic.camera_files.matchid import read_matchid
 from fedic.camera_files.opencv import read_opencv, write_opencv
 from fedic.camera_files.toml import read_toml, write_toml
 from fedic.camera_files.vic3d import read_vic3d
-from fedic.errors import CameraError
+from fedic.errors import CameraError, FedicError
 
 __all__ = ["check_writable", "read_camera", "write_camera"]
 
@@ -108,9 +108,13 @@ def check_writable(path: Path, *, overwrite: bool) -> None:
     ------
     CameraError
         If it exists and may not, or its suffix is none that is written.
+    FedicError
+        If its folder does not exist.
     """
     if path.suffix.lower() not in (".toml", *_OPENCV):
         raise CameraError(f"{path}: a camera is not written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
+    if not path.parent.is_dir():
+        raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.")
     if path.exists() and not overwrite:
         raise CameraError(
             f"{path}: this camera file exists and was left as it is; overwrite=True (--overwrite) replaces it."
