@@ -345,6 +345,8 @@ def test_command_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         outcome = RUNNER.invoke(app, [*arguments, "--output", name])
         assert outcome.exit_code == 2
         assert fault in outcome.stderr
-    outcome = RUNNER.invoke(app, ["calibrate", *images, "--target", "chessboard:7x5:12", "--picture", "a.bmp"])
+    outcome = RUNNER.invoke(
+        app, ["calibrate", *images, "--target", "chessboard:7x5:12", "--output", "b.toml", "--picture", "a.bmp"]
+    )
     assert "a.bmp: the picture is drawn as .png" in outcome.stderr
     assert 'pose_of = "view-2.png"' in Path("camera.toml").read_text()
