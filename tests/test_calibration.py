@@ -231,7 +231,7 @@ def test_views_that_give_no_camera(pixels: list[NDArray[np.float64]], message: s
 
 
 def test_points_on_a_line() -> None:
-    with pytest.raises(fedic.CameraError, match="on a line"):
+    with pytest.raises(fedic.CameraError, match="The points of the view number 0 lie on a line"):
         calibrate_points([BOARD.points[:11]] * 4, [each[:11] for each in views()[:4]], SIZE)
 
 
@@ -279,7 +279,7 @@ def test_images_that_cannot_be_used(folder: Path) -> None:
     assert reasons[7] == "no chessboard of 7 x 5 inner corners is seen whole"
     assert reasons[8] == "the image is 660 x 500 px, most are 640 x 480: another camera"
 
-    with pytest.raises(fedic.CameraError, match=r"(?s)found in 0 of 5 images.*view-0.png: a chessboard of . x . inner"):
+    with pytest.raises(fedic.CameraError, match=r"(?s)found in 0 of 5 images.*view-0.png: a chessboard of 7 x 5 inner"):
         fedic.calibrate([folder / f"view-{index}.png" for index in range(5)], "chessboard:8x6:12")
     with pytest.raises(fedic.CameraError, match="found in 1 of 1 images; a calibration needs at least 2"):
         fedic.calibrate([folder / "view-0.png"], "chessboard:7x5:12")

@@ -66,7 +66,7 @@ def _find_chessboard(grey: NDArray[np.uint8], target: Target) -> Floats:
     larger = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_LARGER
     found, _, layout = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), larger)
     if found and sorted(layout.shape[:2]) != sorted((target.columns, target.rows)):
-        rows, columns = layout.shape[:2]
+        columns, rows = sorted(layout.shape[:2], reverse=target.columns >= target.rows)
         raise NotFoundError(
             f"a chessboard of {columns} x {rows} inner corners is seen, {target.columns} x {target.rows} were expected"
         )

@@ -11,6 +11,8 @@ __all__ = ["pose_of", "start"]
 
 _FOCAL_RANGE = (0.2, 100.0)
 """Focal lengths a start is believed in, in widths of the image; outside, the range's geometric middle is as good."""
+_LINE = 1e-3
+"""Width over length of points that are taken to lie on a line."""
 
 
 def start(lens: Lens, observations: list[Observation], image_size: tuple[int, int]) -> Estimate:
@@ -37,14 +39,18 @@ def start(lens: Lens, observations: list[Observation], image_size: tuple[int, in
     """
     import cv2
 
+    for view, each in enumerate(observations):
+        for what, places in (("points", each.points[:, :2]), ("pixels", each.pixels)):
+            spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+            if spread[1] < _LINE * spread[0]:
+                raise CameraError(f"The {what} of the view number {view} lie on a line: no pose explains them.")
     points = [each.points.astype(np.float32) for each in observations]
     pixels = [each.pixels.astype(np.float32) for each in observations]
     side = float(max(image_size))
     try:
-        matrix = np.asarray(cv2.initCameraMatrix2D(points, pixels, image_size, aspectRatio=1.0))
-    except cv2.error as error:
-        raise CameraError("The points of some view lie on a line, or nearly so: no pose explains them.") from error
-    focal = float(matrix[0, 0])
+        focal = float(np.asarray(cv2.initCameraMatrix2D(points, pixels, image_size, aspectRatio=1.0))[0, 0])
+    except cv2.error:  # some view has no homography
+        focal = np.nan
     if not _FOCAL_RANGE[0] * side <= focal <= _FOCAL_RANGE[1] * side:
         focal = float(np.sqrt(_FOCAL_RANGE[0] * _FOCAL_RANGE[1])) * side
     width, height = image_size
@@ -83,5 +89,7 @@ def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, 
         float(((cv2.projectPoints(seen.points, *pose, matrix, distortion)[0][:, 0] - seen.pixels) ** 2).sum())
         for pose in refined
     ]
+    if not np.isfinite(min(costs)):
+        raise CameraError("No pose explains the points of this view.")
     vector, translation = refined[int(np.argmin(costs))]
     return np.asarray(cv2.Rodrigues(vector)[0]), np.asarray(translation, dtype=np.float64).ravel()
