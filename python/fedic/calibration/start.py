@@ -89,7 +89,7 @@ def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, 
         float(((cv2.projectPoints(seen.points, *pose, matrix, distortion)[0][:, 0] - seen.pixels) ** 2).sum())
         for pose in refined
     ]
-    if not np.isfinite(min(costs)):
+    if not np.isfinite(costs).any():
         raise CameraError("No pose explains the points of this view.")
-    vector, translation = refined[int(np.argmin(costs))]
+    vector, translation = refined[int(np.nanargmin(costs))]
     return np.asarray(cv2.Rodrigues(vector)[0]), np.asarray(translation, dtype=np.float64).ravel()
