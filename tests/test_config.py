@@ -135,9 +135,9 @@ def test_the_example_shows_every_key() -> None:
             nested = value.get("$ref") or next((o["$ref"] for o in value.get("anyOf", []) if "$ref" in o), None)
             if nested:
                 check(definitions[nested.rsplit("/", 1)[1]], definitions)
-            elif "discriminator" in value:
-                for option in value["discriminator"]["mapping"].values():
-                    check(definitions[option.rsplit("/", 1)[1]], definitions)
+            elif "oneOf" in value:
+                for option in value["oneOf"]:
+                    check(definitions[option["$ref"].rsplit("/", 1)[1]], definitions)
             else:
                 assert name in lines, name
 

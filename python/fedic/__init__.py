@@ -13,6 +13,8 @@ the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are 
 
 from fedic import synthetic
 from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Mesh, Pinhole, __version__, rectangle_mesh
+from fedic.calibration import Calibration, calibrate
+from fedic.camera_files import read_camera, write_camera
 from fedic.correlation import Correlator, correlate
 from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
 from fedic.gmsh_meshing import unstructured_mesh
@@ -23,6 +25,7 @@ from fedic.result import Iteration, Result
 
 __all__ = [
     "BrownDistortion",
+    "Calibration",
     "CameraError",
     "ConfigError",
     "Correlator",
@@ -39,10 +42,13 @@ __all__ = [
     "Result",
     "SolveError",
     "__version__",
+    "calibrate",
     "correlate",
+    "read_camera",
     "read_image",
     "read_mesh",
     "rectangle_mesh",
     "synthetic",
     "unstructured_mesh",
+    "write_camera",
 ]

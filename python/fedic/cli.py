@@ -1,4 +1,4 @@
-"""The command line: ``fedic run``, ``fedic demo`` and ``fedic experiment``."""
+"""The command line: ``fedic run``, ``fedic calibrate``, ``fedic demo`` and ``fedic experiment``."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +12,7 @@ from fedic.errors import FedicError
 from fedic.progress import TerminalProgress
 
 if TYPE_CHECKING:
+    from fedic.calibration import Calibration
     from fedic.demo import Demo
     from fedic.experiments import Outcome
     from fedic.run import Frame
@@ -68,6 +69,54 @@ def run_command(
         with TerminalProgress(config.name) as progress:
             folder = run(settings, progress=progress.iteration, on_frame=_print_frame)
         typer.echo(f"Results in {folder}")
+
+
+@app.command("calibrate")
+def calibrate_command(
+    images: Annotated[list[Path], typer.Argument(metavar="IMAGES...", help="Views of the target; 10 to 20 of them.")],
+    target: Annotated[
+        str,
+        typer.Option(
+            "--target",
+            help="chessboard:11x7:8 (inner corners, square), circles:9x7:10, asymmetric-circles:4x11:10 or "
+            "charuco:12x8:10:7:DICT_5X5_100; its unit of length becomes the world's.",
+        ),
+    ],
+    distortion: Annotated[
+        str,
+        typer.Option(
+            "--distortion",
+            help="none, radial1, radial2, radial3, decentering, prism, brown, or several joined by +.",
+        ),
+    ] = "radial1",
+    output: Annotated[Path, typer.Option("--output", help=".toml, or .yml, .yaml, .xml for OpenCV.")] = Path(
+        "camera.toml"
+    ),
+    picture: Annotated[
+        Path | None, typer.Option("--picture", help="Residual vectors over the image and coverage, a .png file.")
+    ] = None,
+    view: Annotated[
+        str | None, typer.Option("--view", help="Image whose pose the camera takes; the first accepted if left out.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the output file if it exists.")] = False,
+) -> None:
+    """Calibrate a camera from images of a flat target."""
+    with _faults_reported():
+        from fedic.calibration import calibrate
+        from fedic.calibration.picture import check_picture
+        from fedic.camera_files import check_writable
+
+        check_writable(output, overwrite=overwrite)
+        if picture is not None:
+            check_picture(picture)
+        with TerminalProgress("calibration") as progress:
+            calibration = calibrate([*images], target, distortion, view=view, progress=progress.fraction)
+        _print_calibration(calibration)
+        existed = output.exists()
+        calibration.write(output, overwrite=overwrite)
+        if picture is not None:
+            calibration.plot(picture)
+        typer.echo(f"Camera {'replaced in' if existed else 'written to'} {output}")
 
 
 @app.command("demo")
@@ -150,6 +199,31 @@ def _print_frame(frame: "Frame") -> None:
         f"{frame.image.name}: {state} in {outcome['iterations']} iterations, residual {outcome['residual_std']:.3g} "
         f"grey levels{outside} ({frame.seconds:.1f} s)"
     )
+
+
+def _print_calibration(calibration: "Calibration") -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    table = Table(title=f"Views ({calibration.distortion}): distance of seen and projected points, in pixels")
+    table.add_column("view", overflow="fold")
+    for heading in ("points", "initial", "final"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("", overflow="fold")
+    for view in calibration.views:
+        counts = f"{view.used.sum()}/{len(view.used)}" if view.found else ""
+        errors = [f"{error:.3f}" if view.found else "" for error in (view.initial_error, view.final_error)]
+        table.add_row(Path(view.name).name, counts, *errors, "" if view.accepted else f"rejected: {view.reason}")
+    console.print(table)
+    table = Table(title=f"Camera: {calibration.reprojection_error:.4f} px rms")
+    for heading in ("parameter", "value", "standard deviation"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name, value in calibration.parameters.items():
+        table.add_row(name, f"{value:.6g}", f"{calibration.standard_deviations[name]:.2g}")
+    console.print(table)
+    for sentence in calibration.advice:
+        console.print(f"Advice: {sentence}", highlight=False, markup=False)
 
 
 def _print_demo(demo: "Demo") -> None:

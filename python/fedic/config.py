@@ -12,7 +12,9 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
+    Tag,
     ValidationError,
     ValidationInfo,
     model_validator,
@@ -21,7 +23,8 @@ from pydantic_core import ErrorDetails
 
 from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Mesh, Pinhole, rectangle_mesh
 from fedic._types import Camera, CellName
-from fedic.errors import ConfigError, ImageError, MeshError
+from fedic.camera_files import read_camera
+from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.gmsh_meshing import unstructured_mesh
 from fedic.meshes import read_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
@@ -31,7 +34,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-__all__ = ["Config", "load_config"]
+__all__ = ["Config", "load_config", "parse_camera", "read_tables"]
 
 
 def _in_folder(path: Path, info: ValidationInfo) -> Path:
@@ -180,6 +183,33 @@ class PinholeSection(_Section):
         )
 
 
+class CameraFileSection(_Section):
+    """``[camera]`` in a file of its own, fedic's or another package's; a pose given here takes the place of its own."""
+
+    file: InFolder
+    number: Annotated[int, Field(strict=True, ge=0)] = 0
+    rotation: Annotated[list[Any] | None, BeforeValidator(_rotation)] = None
+    translation: tuple[Real, Real, Real] | None = None
+
+    def build(self) -> Camera:
+        """Read the camera."""
+        camera = read_camera(self.file, number=self.number)
+        if self.rotation is None and self.translation is None:
+            return camera
+        if not isinstance(camera, Pinhole):
+            raise CameraError(
+                f"{self.file}: a {type(camera).__name__} has no pose; leave out rotation and translation."
+            )
+        return Pinhole(
+            camera.focal,
+            camera.principal_point,
+            rotation=camera.rotation if self.rotation is None else self.rotation,
+            translation=camera.translation if self.translation is None else self.translation,
+            skew_angle=camera.skew_angle,
+            distortion=camera.distortion,
+        )
+
+
 class CorrelationSection(_Section):
     """``[correlation]``: the options of `fedic.correlate`."""
 
@@ -217,8 +247,18 @@ class OutputSection(_Section):
     pictures: Annotated[bool, Field(strict=True)] = True
 
 
+def _camera_kind(value: object) -> str | None:
+    if isinstance(value, dict):
+        return "file" if "file" in value else (str(value["model"]) if "model" in value else None)
+    return getattr(value, "model", "file")
+
+
 CameraSection: TypeAlias = Annotated[
-    ImageFrameSection | FrontParallelSection | PinholeSection, Field(discriminator="model")
+    Annotated[ImageFrameSection, Tag("image-frame")]
+    | Annotated[FrontParallelSection, Tag("front-parallel")]
+    | Annotated[PinholeSection, Tag("pinhole")]
+    | Annotated[CameraFileSection, Tag("file")],
+    Discriminator(_camera_kind),
 ]
 
 
@@ -232,6 +272,10 @@ class Config(_Section):
     output: OutputSection
 
 
+class _CameraAlone(_Section):
+    camera: CameraSection
+
+
 _SECTIONS: dict[str, type[_Section]] = {
     "": Config,
     "images": ImagesSection,
@@ -242,6 +286,7 @@ _SECTIONS: dict[str, type[_Section]] = {
     "camera.front-parallel": FrontParallelSection,
     "camera.pinhole": PinholeSection,
     "camera.pinhole.distortion": DistortionSection,
+    "camera.file": CameraFileSection,
     "correlation": CorrelationSection,
     "output": OutputSection,
 }
@@ -265,25 +310,80 @@ def load_config(path: Path) -> Config:
     ------
     ConfigError
         If the file is missing, is not TOML, or has an unknown, missing or wrong key.
-    ImageError, MeshError
-        If an image or mesh it names does not exist.
+    ImageError, MeshError, CameraError
+        If an image, mesh or camera it names does not exist, or that camera cannot be read.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ConfigError(f"{path}: there is no such configuration file; check the path.") from None
-    except OSError as error:
-        raise ConfigError(f"{path}: the configuration file cannot be read ({error.strerror}).") from error
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: the configuration file is not UTF-8 text.") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not a valid TOML file: {error}.") from error
+    content = read_tables(path, "configuration")
     try:
         config = Config.model_validate(content, context={"folder": path.parent})
     except ValidationError as error:
         raise _config_error(path, error) from error
     _check_files(path, config)
     return config
+
+
+def read_tables(path: Path, what: str) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    what : str
+        How messages call it, such as ``"configuration"``.
+
+    Returns
+    -------
+    dict
+        Its tables.
+
+    Raises
+    ------
+    ConfigError
+        If the file is missing or is not TOML.
+    """
+    try:
+        tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: there is no such {what} file; check the path.") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: the {what} file cannot be read ({error.strerror}).") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: the {what} file is not UTF-8 text.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: not a valid TOML file: {error}.") from error
+    return tables
+
+
+def parse_camera(path: Path, content: dict[str, Any]) -> Camera:
+    """Make the camera that the keys of ``[camera]`` describe.
+
+    Parameters
+    ----------
+    path : Path
+        The file they come from, for messages.
+    content : dict
+        The keys.
+
+    Returns
+    -------
+    ImageFrame, FrontParallel or Pinhole
+        The camera.
+
+    Raises
+    ------
+    ConfigError
+        If a key is unknown, missing or wrong.
+    CameraError
+        If the values make no camera.
+    """
+    try:
+        section = _CameraAlone.model_validate({"camera": content}, context={"folder": path.parent}).camera
+    except ValidationError as error:
+        raise _config_error(path, error, within="camera.") from error
+    if isinstance(section, CameraFileSection):
+        raise ConfigError(f"{path}: file names another camera file; this file should hold the camera itself.", "file")
+    return section.build()
 
 
 def _check_files(path: Path, config: Config) -> None:
@@ -293,6 +393,10 @@ def _check_files(path: Path, config: Config) -> None:
     mesh = config.mesh.file
     if mesh is not None and not mesh.is_file():
         raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
+    if isinstance(config.camera, CameraFileSection):
+        if not config.camera.file.is_file():
+            raise CameraError(f"{path}: camera.file names {config.camera.file}, which does not exist.")
+        config.camera.build()
     stems = [image.stem for image in config.images.deformed]
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
     if twice is not None:
@@ -302,10 +406,10 @@ def _check_files(path: Path, config: Config) -> None:
         )
 
 
-def _config_error(path: Path, error: ValidationError) -> ConfigError:
+def _config_error(path: Path, error: ValidationError, within: str = "") -> ConfigError:
     details = error.errors(include_url=False)
     details.sort(key=lambda detail: detail["type"] != "extra_forbidden")  # a misspelt key is why another is missing
-    faults = [_fault(detail) for detail in details]
+    faults = [(key.removeprefix(within), what) for key, what in map(_fault, details)]
     return ConfigError(f"{path}: " + "\n".join(f"{key} {what}" for key, what in faults), faults[0][0])
 
 
@@ -338,7 +442,7 @@ def _dotted(location: tuple[int | str, ...]) -> str:
 
 
 def _is_camera_tag(location: tuple[int | str, ...]) -> bool:
-    return len(location) > 1 and location[0] == "camera" and location[1] in _CAMERA_MODELS
+    return len(location) > 1 and location[0] == "camera" and location[1] in (*_CAMERA_MODELS, "file")
 
 
 def _suggestion(location: tuple[int | str, ...]) -> str:

@@ -1,0 +1,95 @@
+"""Where the fit starts: focal length from the homographies, no lens, each pose from its own view."""
+
+import numpy as np
+
+from fedic._types import Floats
+from fedic.calibration.bundle import Estimate, Observation
+from fedic.calibration.lens import Lens
+from fedic.errors import CameraError
+
+__all__ = ["pose_of", "start"]
+
+_FOCAL_RANGE = (0.2, 100.0)
+"""Focal lengths a start is believed in, in widths of the image; outside, the range's geometric middle is as good."""
+_LINE = 1e-3
+"""Width over length of points that are taken to lie on a line."""
+
+
+def start(lens: Lens, observations: list[Observation], image_size: tuple[int, int]) -> Estimate:
+    """Return the estimate a fit starts from.
+
+    Parameters
+    ----------
+    lens : Lens
+        Its model.
+    observations : list of Observation
+        One per view.
+    image_size : (int, int)
+        Width and height in pixels.
+
+    Returns
+    -------
+    Estimate
+        Zhang's closed form with the principal point at the centre and no distortion.
+
+    Raises
+    ------
+    CameraError
+        If the points of a view lie on a line.
+    """
+    import cv2
+
+    for view, each in enumerate(observations):
+        for what, places in (("points", each.points[:, :2]), ("pixels", each.pixels)):
+            spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+            if spread[1] < _LINE * spread[0]:
+                raise CameraError(f"The {what} of the view number {view} lie on a line: no pose explains them.")
+    points = [each.points.astype(np.float32) for each in observations]
+    pixels = [each.pixels.astype(np.float32) for each in observations]
+    side = float(max(image_size))
+    try:
+        focal = float(np.asarray(cv2.initCameraMatrix2D(points, pixels, image_size, aspectRatio=1.0))[0, 0])
+    except cv2.error:  # some view has no homography
+        focal = np.nan
+    if not _FOCAL_RANGE[0] * side <= focal <= _FOCAL_RANGE[1] * side:
+        focal = float(np.sqrt(_FOCAL_RANGE[0] * _FOCAL_RANGE[1])) * side
+    width, height = image_size
+    intrinsics = np.zeros(len(lens.parameters))
+    intrinsics[:4] = focal, focal, (width - 1) / 2, (height - 1) / 2
+    poses = [pose_of(each, lens, intrinsics) for each in observations]
+    return Estimate(intrinsics, np.array([pose[0] for pose in poses]), np.array([pose[1] for pose in poses]))
+
+
+def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, Floats]:
+    """Return the rotation (3, 3) and translation (3,) of a view for given intrinsic parameters.
+
+    Of the two poses a flat target nearly allows, the one that fits better (Collins and Bartoli, 2014), refined.
+
+    Raises
+    ------
+    CameraError
+        If the points are on a line or fewer than four.
+    """
+    import cv2
+
+    matrix, distortion = lens.split(intrinsics)
+    try:
+        count, vectors, translations, _ = cv2.solvePnPGeneric(
+            seen.points, seen.pixels, matrix, distortion, flags=cv2.SOLVEPNP_IPPE
+        )
+        refined = [
+            cv2.solvePnPRefineLM(seen.points, seen.pixels, matrix, distortion, vector, translation)
+            for vector, translation in zip(vectors, translations, strict=True)
+        ]
+    except cv2.error:
+        count = 0
+    if not count:
+        raise CameraError("No pose explains the points of this view.")
+    costs = [
+        float(((cv2.projectPoints(seen.points, *pose, matrix, distortion)[0][:, 0] - seen.pixels) ** 2).sum())
+        for pose in refined
+    ]
+    if not np.isfinite(costs).any():
+        raise CameraError("No pose explains the points of this view.")
+    vector, translation = refined[int(np.nanargmin(costs))]
+    return np.asarray(cv2.Rodrigues(vector)[0]), np.asarray(translation, dtype=np.float64).ravel()

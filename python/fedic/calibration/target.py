@@ -1,0 +1,123 @@
+"""Calibration targets: what a specification such as ``chessboard:11x7:8`` means, and where its points are."""
+
+import re
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from fedic._types import Floats
+from fedic.errors import CameraError
+
+__all__ = ["Target", "parse_target"]
+
+Kind: TypeAlias = Literal["chessboard", "circles", "asymmetric-circles", "charuco"]
+
+_FORMS: dict[Kind, str] = {
+    "chessboard": "chessboard:COLUMNSxROWS:SQUARE, such as chessboard:11x7:8 (inner corners, side of a square)",
+    "circles": "circles:COLUMNSxROWS:PITCH, such as circles:9x7:10 (circles, distance of two neighbours)",
+    "asymmetric-circles": "asymmetric-circles:COLUMNSxROWS:PITCH, such as asymmetric-circles:4x11:10 (circles of a "
+    "row, rows, distance of two rows)",
+    "charuco": "charuco:COLUMNSxROWS:SQUARE:MARKER:DICTIONARY, such as charuco:12x8:10:7:DICT_5X5_100 (squares, side "
+    "of a square, side of a marker, name in OpenCV)",
+}
+_SMALLEST = 2
+
+
+@dataclass(frozen=True)
+class Target:
+    """A flat calibration target.
+
+    Its frame is the world of the calibrated camera: X to the right along a row, Y upwards along a column, Z out of the
+    target towards the camera, the origin at the point at the lower left (for ChArUco at the lower left corner of the
+    board), in the unit of `pitch`. A target that looks the same upside down may be read upside down.
+
+    Attributes
+    ----------
+    kind : {"chessboard", "circles", "asymmetric-circles", "charuco"}
+        What is printed on it.
+    columns, rows : int
+        Inner corners of a chessboard, circles of a row and rows of circles, squares of a ChArUco board.
+    pitch : float
+        Side of a square, distance of neighbouring circles, or of neighbouring rows of asymmetric circles; its unit is
+        that of the world. A wrong pitch scales the translations alone: no single camera can notice it.
+    marker : float
+        Side of a ChArUco marker.
+    dictionary : str
+        OpenCV's name of the ChArUco markers, such as ``"DICT_5X5_100"``.
+    """
+
+    kind: Kind
+    columns: int
+    rows: int
+    pitch: float
+    marker: float = 0.0
+    dictionary: str = ""
+
+    @property
+    def points(self) -> Floats:
+        """Positions of the points, shape (n, 3), row by row from the upper left; Z is zero."""
+        columns, rows = (self.columns - 1, self.rows - 1) if self.kind == "charuco" else (self.columns, self.rows)
+        row, column = (index.ravel().astype(np.float64) for index in np.indices((rows, columns)))
+        if self.kind == "asymmetric-circles":
+            column = 2.0 * column + row % 2.0
+        elif self.kind == "charuco":
+            column, row = column + 1.0, row - 1.0
+        return np.column_stack([column, rows - 1.0 - row, np.zeros_like(row)]) * self.pitch
+
+    def __str__(self) -> str:
+        ends = f":{self.marker:g}:{self.dictionary}" if self.kind == "charuco" else ""
+        return f"{self.kind}:{self.columns}x{self.rows}:{self.pitch:g}{ends}"
+
+
+def parse_target(text: str) -> Target:
+    """Read the specification of a target.
+
+    Parameters
+    ----------
+    text : str
+        ``"chessboard:11x7:8"``, ``"circles:9x7:10"``, ``"asymmetric-circles:4x11:10"`` or
+        ``"charuco:12x8:10:7:DICT_5X5_100"``; counts as in OpenCV, see `Target`.
+
+    Returns
+    -------
+    Target
+        The target.
+
+    Raises
+    ------
+    CameraError
+        If the specification has another form, or sizes no target can have.
+    """
+    kind, *fields = text.strip().split(":")
+    if kind not in _FORMS:
+        raise CameraError(f"target {text!r}: {kind!r} is unknown; give one of\n  " + "\n  ".join(_FORMS.values()))
+    expected = 4 if kind == "charuco" else 2
+    counts = re.fullmatch(r"(\d+)[xX](\d+)", fields[0]) if len(fields) == expected else None
+    try:
+        lengths = [float(length) for length in fields[1:3]]
+    except ValueError:
+        counts = None
+    if counts is None:
+        raise CameraError(f"target {text!r}: should be written {_FORMS[kind]}.")
+    columns, rows = (int(count) for count in counts.groups())
+    if min(columns, rows) < _SMALLEST + (kind == "charuco"):
+        raise CameraError(f"target {text!r}: {columns} x {rows} is too small; count as in {_FORMS[kind]}.")
+    if not all(0.0 < length < np.inf for length in lengths):
+        raise CameraError(f"target {text!r}: the lengths must be positive; write {_FORMS[kind]}.")
+    if kind != "charuco":
+        return Target(kind, columns, rows, lengths[0])
+    if lengths[1] >= lengths[0]:
+        raise CameraError(
+            f"target {text!r}: a marker ({lengths[1]:g}) must be smaller than its square ({lengths[0]:g})."
+        )
+    return Target(kind, columns, rows, lengths[0], lengths[1], _known_dictionary(text, fields[3]))
+
+
+def _known_dictionary(text: str, name: str) -> str:
+    import cv2
+
+    known = [each for each in dir(cv2.aruco) if each.startswith("DICT_")]
+    if name not in known:
+        raise CameraError(f"target {text!r}: {name!r} is no dictionary of markers; OpenCV knows {', '.join(known)}.")
+    return name
