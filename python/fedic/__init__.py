@@ -20,6 +20,7 @@ from fedic.images import read_image
 from fedic.meshes import read_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.result import Iteration, Result
+from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
 
 __all__ = [
     "BrownDistortion",
@@ -38,7 +39,9 @@ __all__ = [
     "PixelQuadrature",
     "Result",
     "SolveError",
+    "SpecimenCalibration",
     "__version__",
+    "calibrate_on_specimen",
     "correlate",
     "read_image",
     "read_mesh",

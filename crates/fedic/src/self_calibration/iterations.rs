@@ -1,0 +1,63 @@
+//! Gauss-Newton held back where it overshoots (Levenberg and Marquardt), on one level of the images.
+
+use crate::self_calibration::statistics::sensitivities;
+use crate::self_calibration::sums::Sums;
+use crate::self_calibration::view::{Problem, State, View};
+use crate::{Error, Iteration, Monitor, Progress, Stage};
+
+const FIRST_DAMPING: f64 = 1e-4;
+const DAMPING_FACTOR: f64 = 10.0;
+/// Damping at which a step no longer moves anything.
+const LARGEST_DAMPING: f64 = 1e8;
+/// Relative growth of the residual's variance that is taken for rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// When to stop.
+pub(crate) struct Limits {
+    pub(crate) level: usize,
+    /// Root mean square of the last correction, in pixels of the level.
+    pub(crate) tolerance: f64,
+    pub(crate) max_iterations: usize,
+}
+
+/// Improves `state`; returns the sums there and whether the last correction was within the tolerance.
+pub(crate) fn iterate(
+    problem: &Problem<'_>,
+    view: &View<'_>,
+    state: &mut State,
+    limits: &Limits,
+    history: &mut Vec<Iteration>,
+    monitor: &dyn Monitor,
+) -> Result<(Sums, bool), Error> {
+    let mut sums = view.sums(state, |pixels| pixels, monitor)?;
+    let reach: Vec<f64> = sensitivities(problem, state).iter().map(|s| problem.reach / s).collect();
+    let mut damping = 0.0;
+    for iteration in 1..=limits.max_iterations {
+        let residual_std = sums.variance().sqrt();
+        let (correction, free) = loop {
+            if damping > LARGEST_DAMPING {
+                return Ok((sums, false));
+            }
+            if let Some(step) = sums.step(damping, &reach)
+                && let Some(moved) = state.moved_by(problem, step.as_slice())
+            {
+                let correction = sums.visible_motion(&step);
+                let found = view.sums(&moved, |pixels| pixels, monitor)?;
+                let within = damping == 0.0 && correction <= limits.tolerance;
+                if within || found.variance() <= sums.variance() * (1.0 + ROUNDING) {
+                    (*state, sums) = (moved, found);
+                    break (correction, damping == 0.0);
+                }
+            }
+            damping = f64::max(FIRST_DAMPING, damping * DAMPING_FACTOR);
+        };
+        damping = if damping <= FIRST_DAMPING { 0.0 } else { damping / DAMPING_FACTOR };
+        history.push(Iteration { level: limits.level, iteration, correction, residual_std });
+        let stage = if limits.level == 0 { Stage::Solve } else { Stage::Pyramid };
+        monitor.progress(&Progress { stage, level: limits.level, iteration, correction, residual_std });
+        if free && correction <= limits.tolerance {
+            return Ok((sums, true));
+        }
+    }
+    Ok((sums, false))
+}
