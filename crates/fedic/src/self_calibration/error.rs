@@ -19,8 +19,8 @@ pub enum SelfCalibrationError {
     },
     /// An image shows none of the specimen that another one shows.
     #[error(
-        "image {image} shows nothing of the mesh that the others show: check the mesh, the camera and the start of the \
-         motion"
+        "{} shows nothing of the mesh that the others show: check the mesh, the camera and the start of the motion",
+        name(*image)
     )]
     Unseen {
         /// Its number; 0 is the reference image.
@@ -28,9 +28,10 @@ pub enum SelfCalibrationError {
     },
     /// The grey levels do not agree after all.
     #[error(
-        "image {image} does not match the others: at the motion found its grey levels differ from theirs by {residual:.3} \
-         where the texture itself has a standard deviation of {texture:.3}; give a start of the motion (translations), \
-         or leave the image out"
+        "{} does not match the others: at the motion found its grey levels differ from theirs by {residual:.3} where the \
+         texture itself has a standard deviation of {texture:.3}; give a start of the motion (translations), or leave the \
+         image out",
+        name(*image)
     )]
     Unmatched {
         /// Its number; 0 is the reference image.
@@ -63,4 +64,9 @@ pub enum SelfCalibrationError {
         /// What to do.
         advice: &'static str,
     },
+}
+
+/// What an image is called: the reference comes first.
+pub(crate) fn name(image: usize) -> String {
+    if image == 0 { "the reference image".to_owned() } else { format!("moved image number {image} (from 1)") }
 }

@@ -1,16 +1,18 @@
 //! Gauss-Newton held back where it overshoots (Levenberg and Marquardt), on one level of the images.
 
+use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::statistics::sensitivities;
 use crate::self_calibration::sums::Sums;
-use crate::self_calibration::view::{Problem, State, View};
+use crate::self_calibration::view::View;
 use crate::{Error, Iteration, Monitor, Progress, Stage};
 
 const FIRST_DAMPING: f64 = 1e-4;
 const DAMPING_FACTOR: f64 = 10.0;
 /// Damping at which a step no longer moves anything.
 const LARGEST_DAMPING: f64 = 1e8;
-/// Relative growth of the residual's variance that is taken for rounding.
-const ROUNDING: f64 = 1e-9;
+/// Relative growth of the residual's variance that is let pass: near the solution the Jacobian of the mean texture may
+/// lead to one a little beside the least.
+const SLACK: f64 = 1e-3;
 
 /// When to stop.
 pub(crate) struct Limits {
@@ -44,7 +46,7 @@ pub(crate) fn iterate(
                 let correction = sums.visible_motion(&step);
                 let found = view.sums(&moved, |pixels| pixels, monitor)?;
                 let within = damping == 0.0 && correction <= limits.tolerance;
-                if within || found.variance() <= sums.variance() * (1.0 + ROUNDING) {
+                if within || found.variance() <= sums.variance() * (1.0 + SLACK) {
                     (*state, sums) = (moved, found);
                     break (correction, damping == 0.0);
                 }

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::self_calibration::error::SelfCalibrationError;
+use crate::self_calibration::error::{self, SelfCalibrationError};
 use crate::self_calibration::motion::RIGID;
+use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::sums::Sums;
-use crate::self_calibration::view::{Problem, State};
 
 /// Part of the effect of a parameter that must not be absorbed by the texture, and least eigenvalue of the normal matrix
 /// scaled to a diagonal of ones.
@@ -105,7 +105,7 @@ fn name_of(problem: &Problem<'_>, unknown: usize) -> String {
     let (image, own) =
         ((unknown - layout.parameters) / layout.block_len(), (unknown - layout.parameters) % layout.block_len());
     match problem.components.get(own) {
-        Some(&component) => format!("{} of the motion of image {}", MOTIONS[component], image + 1),
-        None => format!("the brightness of image {}", image + 1),
+        Some(&component) => format!("{} of the motion of {}", MOTIONS[component], error::name(image + 1)),
+        None => format!("the brightness of {}", error::name(image + 1)),
     }
 }

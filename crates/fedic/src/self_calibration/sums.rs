@@ -144,9 +144,15 @@ impl Sums {
         self.slope += other.slope;
     }
 
+    /// Degrees of freedom of the residual before any unknown is taken off: what the variance is divided by.
+    pub(crate) fn freedom(&self) -> f64 {
+        self.squares.iter().map(|[_, freedom]| freedom).sum()
+    }
+
     /// Variance of the residual of one image, in grey levels squared; infinite where no two images see a point.
     pub(crate) fn variance(&self) -> f64 {
-        let [squares, freedom] = self.squares.iter().fold([0.0; 2], |[s, f], [squares, free]| [s + squares, f + free]);
+        let freedom = self.freedom();
+        let squares: f64 = self.squares.iter().map(|[squares, _]| squares).sum();
         if freedom > 0.0 { squares / freedom } else { f64::INFINITY }
     }
 
