@@ -5,7 +5,7 @@ use fedic_image::Interpolation;
 use crate::self_calibration::motion::MotionKind;
 use crate::{Options, Quadrature, Rule, SolveError};
 
-/// Options of [`calibrate_on_specimen`].
+/// Options of [`calibrate_on_specimen`](crate::calibrate_on_specimen).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfCalibrationOptions {
     /// Which motions the specimen may have made.
