@@ -102,10 +102,10 @@ fn refused(motions: &[[f64; 2]], parameters: &[Parameter]) -> String {
 
 #[test]
 fn what_the_images_do_not_tell_is_named() {
-    use Parameter::{Cx, D2, Fx, K1, Tx, Tz};
+    use Parameter::{Cx, D2, Fx, Fy, K1, Tx, Tz};
     for (parameters, message) in [
         (&[K1, Cx, D2][..], "do not tell cx, d2 apart"),
-        (&[K1, Fx], "a plane whose motions are unknown has no scale: hold fx, fy and tz"),
+        (&[K1, Fx, Fy], "a plane whose motions are unknown has no scale: hold fx, fy and tz"),
         (&[K1, Tz], "do not determine tz; a plane whose motions are unknown has no scale"),
         (&[K1, Tx], "do not determine tx; no image shows where the specimen is in its plane"),
     ] {

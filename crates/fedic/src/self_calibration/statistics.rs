@@ -10,7 +10,7 @@ use crate::self_calibration::sums::Sums;
 /// Part of the effect of a parameter that must not be absorbed by the texture, and least eigenvalue of the normal matrix
 /// scaled to a diagonal of ones.
 const LEAST_VISIBLE: f64 = 1e-14;
-const LEAST_EIGENVALUE: f64 = 1e-6;
+const LEAST_EIGENVALUE: f64 = 1e-7;
 /// Components of the direction of such an eigenvalue that are named, relative to the largest.
 const NAMED: f64 = 0.1;
 /// A standard deviation that moves a point by more than this part of the image's diagonal determines nothing.
