@@ -11,7 +11,7 @@ from fedic import _core
 from fedic._core import Mesh, Pinhole
 from fedic._types import Camera, Floats, Image, Progress
 from fedic.correlation import Interpolation
-from fedic.errors import CameraError, ImageError, SolveError
+from fedic.errors import CameraError, ImageError, MeshError, SolveError
 from fedic.fft_start import translation_start
 from fedic.images import as_image
 from fedic.result import Iteration
@@ -174,6 +174,8 @@ def calibrate_on_specimen(
     """
     reference = as_image(reference, "reference")
     moved = _checked_images(reference, images)
+    if not isinstance(mesh, Mesh):
+        raise MeshError(f"calibrate_on_specimen: mesh must be a fedic.Mesh, got a {type(mesh).__name__}.")
     names = _checked_names(camera, parameters)
     start = _start(reference, moved, mesh, camera, translations, known_translations)
     found = _core.calibrate_on_specimen(

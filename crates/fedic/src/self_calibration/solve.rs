@@ -22,7 +22,7 @@ const SMALLEST_SIDE: usize = 64;
 const COARSE_TOLERANCE: f64 = 0.01;
 const COARSE_ITERATIONS: usize = 15;
 /// How far the camera may be wrong at the start, about, as a part of the image's diagonal.
-const REACH: f64 = 0.01;
+const REACH: f64 = 0.03;
 /// Pixels along the border that are not read: there the interpolation knows of the image's mirror only. To these come as
 /// many standard deviations of the prefilter.
 const MARGIN: f64 = 5.0;
@@ -63,7 +63,7 @@ pub(crate) fn solve(
         brightness: vec![[1.0, 0.0]; images.len()],
     };
     let mut history = Vec::new();
-    start_on_reduced_images(&problem, images, camera, &mut state, &mut history, monitor)?;
+    start_on_reduced_images(&problem, images, camera, options.density, &mut state, &mut history, monitor)?;
 
     let sample = |filter: fn(ImageView<'_>, Interpolation, Gradient, f64) -> Result<Sampler, ImageError>| {
         let sample = |view: &ImageView<'_>| filter(*view, options.interpolation, Gradient::Analytic, options.prefilter);
@@ -121,6 +121,7 @@ fn start_on_reduced_images(
     problem: &Problem<'_>,
     images: &[ImageView<'_>],
     camera: &Pinhole,
+    density: f64,
     state: &mut State,
     history: &mut Vec<Iteration>,
     monitor: &dyn Monitor,
@@ -142,7 +143,7 @@ fn start_on_reduced_images(
         let samplers = images.par_iter().map(sample).collect::<Result<Vec<_>, _>>()?;
         let size = [images[0].width(), images[0].height()];
         let frames = Frames { samplers, size, factor: 0.5_f64.powi(level as i32), margin: MARGIN };
-        let view = View::new(problem, frames, camera, state, 1.0)?;
+        let view = View::new(problem, frames, camera, state, density.min(1.0))?;
         let limits = Limits { level, tolerance: COARSE_TOLERANCE, max_iterations: COARSE_ITERATIONS };
         let (sums, _) = iterate(problem, &view, state, &limits, history, monitor)?;
         check_seen(&sums, images.len())?;
