@@ -71,9 +71,9 @@ pub(crate) fn solve(
     };
     let margin = MARGIN + MARGIN_DEVIATIONS * options.prefilter;
     let frames = Frames { samplers: sample(Sampler::new)?, size, factor: 1.0, margin };
-    let view = View::new(&problem, frames, camera, &state, options.density)?;
+    let view = View::new(&problem, frames, camera, options.density)?;
     let limits = Limits { level: 0, tolerance: options.tolerance, max_iterations: options.max_iterations };
-    let (sums, converged) = iterate(&problem, &view, &mut state, &limits, &mut history, monitor)?;
+    let (sums, sighting, converged) = iterate(&problem, &view, &mut state, &limits, &mut history, monitor)?;
     check_seen(&sums, images.len())?;
     check_match(&sums, images.len())?;
     check_motion(&problem, &state)?;
@@ -83,7 +83,7 @@ pub(crate) fn solve(
     let num_points = view.num_points();
     // A filter smooths the noise before it is gathered: that is to gather it with the gradient filtered once more.
     let view = if options.prefilter > 0.0 { view.with_samplers(sample(Sampler::filtered_twice)?) } else { view };
-    let gathered = view.sums(&state, |pixels| pixels * (pixels / averaged).max(1.0), monitor)?;
+    let gathered = view.sums(&state, &sighting, |pixels| pixels * (pixels / averaged).max(1.0), monitor)?;
     let residual_std = sums.variance().sqrt();
     let noise = options.noise.unwrap_or(residual_std * averaged.sqrt());
     let covariance =
@@ -143,9 +143,9 @@ fn start_on_reduced_images(
         let samplers = images.par_iter().map(sample).collect::<Result<Vec<_>, _>>()?;
         let size = [images[0].width(), images[0].height()];
         let frames = Frames { samplers, size, factor: 0.5_f64.powi(level as i32), margin: MARGIN };
-        let view = View::new(problem, frames, camera, state, density.min(1.0))?;
+        let view = View::new(problem, frames, camera, density.min(1.0))?;
         let limits = Limits { level, tolerance: COARSE_TOLERANCE, max_iterations: COARSE_ITERATIONS };
-        let (sums, _) = iterate(problem, &view, state, &limits, history, monitor)?;
+        let (sums, ..) = iterate(problem, &view, state, &limits, history, monitor)?;
         check_seen(&sums, images.len())?;
         check_motion(problem, state)?;
         statistics::check_determined(problem, &sums)?;

@@ -73,10 +73,10 @@ fn truth() -> State {
     }
 }
 
-fn view<'a>(problem: &'a Problem<'a>, state: &State) -> View<'a> {
+fn view<'a>(problem: &'a Problem<'a>) -> View<'a> {
     let sample = |index| Sampler::new(image(index).view(), Interpolation::Bspline5, Gradient::Analytic, 0.0).unwrap();
     let frames = Frames { samplers: (0..MOTIONS.len()).map(sample).collect(), size: SIZE, factor: 1.0, margin: 6.0 };
-    View::new(problem, frames, &camera(), state, 0.2).unwrap()
+    View::new(problem, frames, &camera(), 0.2).unwrap()
 }
 
 /// Steps of the unknowns that move the images by a fiftieth of a pixel, or change the grey levels a little.
@@ -99,12 +99,12 @@ fn steps(problem: &Problem<'_>, sums: &Sums) -> Vec<f64> {
 fn the_normal_matrix_is_half_the_second_derivative_of_the_cost() {
     let (mesh, state) = (mesh(), truth());
     let problem = problem(&mesh);
-    let view = view(&problem, &state);
-    let sums = view.sums(&state, |pixels| pixels, &()).unwrap();
+    let view = view(&problem);
+    let sums = view.sums(&state, &state, |pixels| pixels, &()).unwrap();
     let freedom = sums.freedom();
     let cost = |step: &[f64]| {
         let moved = state.moved_by(&problem, step).unwrap();
-        view.sums(&moved, |pixels| pixels, &()).unwrap().variance() * freedom
+        view.sums(&moved, &state, |pixels| pixels, &()).unwrap().variance() * freedom
     };
     let (steps, matrix) = (steps(&problem, &sums), sums.matrix());
     let n = steps.len();
@@ -134,13 +134,13 @@ fn the_normal_matrix_is_half_the_second_derivative_of_the_cost() {
 fn a_step_undoes_a_small_change_of_any_unknown() {
     let (mesh, state) = (mesh(), truth());
     let problem = problem(&mesh);
-    let view = view(&problem, &state);
-    let steps = steps(&problem, &view.sums(&state, |pixels| pixels, &()).unwrap());
+    let view = view(&problem);
+    let steps = steps(&problem, &view.sums(&state, &state, |pixels| pixels, &()).unwrap());
     for i in 0..steps.len() {
         let mut change = vec![0.0; steps.len()];
         change[i] = steps[i];
         let moved = state.moved_by(&problem, &change).unwrap();
-        let sums = view.sums(&moved, |pixels| pixels, &()).unwrap();
+        let sums = view.sums(&moved, &state, |pixels| pixels, &()).unwrap();
         let step = sums.step(0.0, &[f64::INFINITY; PARAMETERS.len()]).unwrap();
         for (k, (found, size)) in step.iter().zip(&steps).enumerate() {
             let error = (found + change[k]) / size;

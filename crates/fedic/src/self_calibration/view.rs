@@ -34,23 +34,15 @@ pub(crate) struct View<'a> {
     quadrature: CellQuadrature,
     /// The camera that the pixels which a point stands for are counted of.
     counting: Scaled,
-    /// What tells which images see a point: kept while the state is improved, lest points come and go.
-    sighting: State,
 }
 
 impl<'a> View<'a> {
-    /// The images as `sighting` sees them, with the points of `density` per pixel of `camera`.
-    pub(crate) fn new(
-        problem: &'a Problem<'a>,
-        frames: Frames,
-        camera: &Pinhole,
-        sighting: &State,
-        density: f64,
-    ) -> Result<Self, Error> {
+    /// The images, with the points of `density` per pixel of `camera`.
+    pub(crate) fn new(problem: &'a Problem<'a>, frames: Frames, camera: &Pinhole, density: f64) -> Result<Self, Error> {
         let counting = Scaled::new(Arc::new(*camera), frames.factor);
         let rule = Quadrature::Mesh { rule: Rule::default(), density };
         let quadrature = CellQuadrature::new(problem.mesh, &counting, rule)?;
-        Ok(Self { problem, frames, quadrature, counting, sighting: sighting.clone() })
+        Ok(Self { problem, frames, quadrature, counting })
     }
 
     /// The same points of other images.
@@ -63,10 +55,11 @@ impl<'a> View<'a> {
         self.quadrature.num_points()
     }
 
-    /// The normal equations at `state`. `weigh` makes the weight of a point out of the pixels that it stands for.
+    /// The normal equations at `state`, each point read in the images that show it to `sighting`. `weigh` makes the weight of a point out of the pixels that it stands for.
     pub(crate) fn sums(
         &self,
         state: &State,
+        sighting: &State,
         weigh: impl Fn(f64) -> f64 + Sync,
         monitor: &dyn Monitor,
     ) -> Result<Sums, Error> {
@@ -79,14 +72,20 @@ impl<'a> View<'a> {
         for_each_cell(
             parts,
             monitor,
-            |_, _, (cell, points)| self.of_part(state, cell, points, &weigh),
+            |_, _, (cell, points)| self.of_part([state, sighting], cell, points, &weigh),
             |_, sums| total.add_sums(&sums),
         )?;
         Ok(total)
     }
 
     /// Of some points of a cell.
-    fn of_part(&self, state: &State, cell: usize, part: Range<usize>, weigh: &impl Fn(f64) -> f64) -> Sums {
+    fn of_part(
+        &self,
+        [state, sighting]: [&State; 2],
+        cell: usize,
+        part: Range<usize>,
+        weigh: &impl Fn(f64) -> f64,
+    ) -> Sums {
         let mesh = self.problem.mesh;
         let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
         let part_area = self.quadrature.part_area(cell);
@@ -107,7 +106,7 @@ impl<'a> View<'a> {
                 weights[k] = weigh(pixels);
             }
             for (image, sights) in sights.iter_mut().enumerate() {
-                self.look(state, image, &points[..n], &tangents, sights);
+                self.look([state, sighting], image, &points[..n], &tangents, sights);
             }
             for (k, &weight) in weights[..n].iter().enumerate() {
                 rows.add(self.frames.factor, state, &sights, k, weight, &mut sums);
@@ -117,7 +116,14 @@ impl<'a> View<'a> {
     }
 
     /// Where the points of a batch are in an image, and what it shows there.
-    fn look(&self, state: &State, image: usize, points: &[[f64; 3]], tangents: &[[[f64; 2]; 3]], sights: &mut Sights) {
+    fn look(
+        &self,
+        [state, sighting]: [&State; 2],
+        image: usize,
+        points: &[[f64; 3]],
+        tangents: &[[[f64; 2]; 3]],
+        sights: &mut Sights,
+    ) {
         let n = points.len();
         let (mut u, mut v) = ([f64::NAN; BATCH], [f64::NAN; BATCH]);
         let (motion, factor) = (&state.motions[image], self.frames.factor);
@@ -128,7 +134,7 @@ impl<'a> View<'a> {
             let [along, across] = [0, 1].map(|t| motion.turn(tangents[k].map(|row| row[t])));
             let turned = std::array::from_fn(|d| [along[d], across[d]]);
             sights.sight[k] = Sight { place, by_place, by_cell: product(&by_place, &turned) };
-            if self.is_seen(image, point) {
+            if self.is_seen(sighting, image, point) {
                 [u[k], v[k]] = pixel;
             }
         }
@@ -137,9 +143,9 @@ impl<'a> View<'a> {
         self.frames.samplers[image].values_and_gradients(&u[..n], &v[..n], &mut sights.grey[..n], slope);
     }
 
-    fn is_seen(&self, image: usize, point: [f64; 3]) -> bool {
+    fn is_seen(&self, sighting: &State, image: usize, point: [f64; 3]) -> bool {
         let Frames { size, factor, margin, .. } = &self.frames;
-        let pixel = self.sighting.camera.project(self.sighting.motions[image].apply(point));
+        let pixel = sighting.camera.project(sighting.motions[image].apply(point));
         // What is not a number is outside every image.
         pixel.iter().zip(size).all(|(c, &side)| (*margin..=side as f64 - 1.0 - margin).contains(&(c * factor)))
     }
