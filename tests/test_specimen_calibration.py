@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 import fedic
+from fedic.experiments import Request, run_experiment
 from fedic.experiments.lens import HEIGHT, MILLIMETRES, PRINCIPAL_POINT, RADIAL, WIDTH, Scene
 from fedic.experiments.lens_errors import measure
 from fedic.experiments.settings import DEFAULT
@@ -158,6 +159,27 @@ def test_a_stage_that_leaves_the_plane() -> None:
     assert flat.residual_std > 2.0 * spatial.residual_std
 
 
+def test_the_tilt_of_the_camera_is_found() -> None:
+    """A camera that looks askew by one degree and more, its principal point known."""
+    turns = np.array([0.02, -0.03])
+    start = small_camera(None, CENTRE)
+    tilt = fedic.Pinhole((1.0, 1.0), (0.0, 0.0), rotation=[*turns, 0.0]).rotation
+    lens = fedic.BrownDistortion((K1, 0.0, 0.0))
+    camera = fedic.Pinhole(start.focal, CENTRE, tilt @ start.rotation, start.translation, distortion=lens)
+    texture = fedic.synthetic.Speckle(5.0, seed=9)
+    images = [
+        fedic.synthetic.render(texture, camera, SHAPE, displacement=motion, levels=LEVELS)
+        for motion in (None, *MOTIONS)
+    ]
+    found = fedic.calibrate_on_specimen(images[0], images[1:], specimen(), start, ("k1", "rx", "ry"))
+    assert found.converged
+    # exp(d) R of the start: the turn is read off the rotation that is left.
+    left = tilt.T @ found.camera.rotation @ start.rotation.T
+    deviations = [found.standard_deviations[name] for name in ("rx", "ry")]
+    assert (np.abs([left[2, 1], left[0, 2]]) < 4.0 * np.array(deviations)).all()
+    assert max(deviations) < 1e-4
+
+
 def test_light_that_changes_is_taken_up(frames: list[NDArray[np.float32]]) -> None:
     darker = [frames[0], 0.8 * frames[1] + 5.0, *frames[2:]]
     found = fedic.calibrate_on_specimen(darker[0], darker[1:], specimen(), START)
@@ -271,6 +293,14 @@ def test_a_specimen_that_did_not_move_or_is_another_is_refused(frames: list[NDAr
     other = fedic.synthetic.render(fedic.synthetic.Speckle(5.0, seed=77), small_camera(), SHAPE, levels=LEVELS)
     with pytest.raises(fedic.SolveError, match=r"moved image number 2 .* does not match the others"):
         fedic.calibrate_on_specimen(frames[0], [frames[1], other], specimen(), START, ("k1",))
+
+
+def test_the_experiment_in_its_quick_version() -> None:
+    outcome = run_experiment("specimen", Request(quick=True))
+    assert {claim.text: claim.measured for claim in outcome.claims if not claim.holds} == {}
+    assert outcome.figures[""].axes
+    assert [row["noise_found"] for row in outcome.rows] == pytest.approx([1 / np.sqrt(12), 2.02], rel=0.02)
+    assert all(row["converged"] for row in outcome.rows)
 
 
 def test_ctrl_c_stops_a_calibration_within_a_second() -> None:
