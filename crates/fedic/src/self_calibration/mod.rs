@@ -51,6 +51,36 @@ use crate::{Error, Monitor};
 /// those of the specimen moved, whose translations along `X` and `Y` are about `start`. `camera` gives the first values,
 /// and those of all other parameters.
 ///
+/// # Examples
+///
+/// ```
+/// use fedic::{
+///     BrownDistortion, CellType, Image, Parameter, Pinhole, SelfCalibrationOptions, Speckle, calibrate_on_specimen,
+///     rectangle_mesh, unproject,
+/// };
+///
+/// // A speckled plane before a lens, at rest and moved twice.
+/// let upright = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+/// let start = Pinhole::new([150.0; 2], [60.0, 50.0], upright, [0.0, 0.0, 150.0])?;
+/// let camera = start.with_distortion(BrownDistortion::new([-0.2, 0.0, 0.0], [0.0; 2], [0.0; 2])?);
+/// let speckle = Speckle::new(6.0, 0.5, 1)?;
+/// let motions = [[20.0, -8.0], [-10.0, 16.0]];
+/// let image = |[x, y]: [f64; 2]| {
+///     let pixels = (0..120 * 100).map(|k| [(k % 120) as f64, (k / 120) as f64]);
+///     let seen = pixels.filter_map(|pixel| unproject(&camera, pixel, 0.0));
+///     Image::new(120, 100, seen.map(|[px, py, _]| (200.0 * speckle.value([px - x, py - y])) as f32).collect())
+/// };
+/// let images = [image([0.0, 0.0])?, image(motions[0])?, image(motions[1])?];
+///
+/// let specimen = rectangle_mesh([-60.0, -50.0, 60.0, 50.0], 10.0, CellType::Quad)?;
+/// let views = images.each_ref().map(Image::view);
+/// let options = SelfCalibrationOptions::default();
+/// let found = calibrate_on_specimen(&views, &specimen, &start, &[Parameter::K1], &motions, &options, &())?;
+/// let k1 = found.camera.distortion().map_or(0.0, |lens| lens.radial()[0]);
+/// assert!(found.converged && (k1 + 0.2).abs() < 2e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 ///
 /// [`Error`] where an input or option can't be used, the images don't match, or they do not determine a parameter;
