@@ -22,6 +22,7 @@ from fedic.images import read_image
 from fedic.meshes import read_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.result import Iteration, Result
+from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
 
 __all__ = [
     "BrownDistortion",
@@ -41,8 +42,10 @@ __all__ = [
     "PixelQuadrature",
     "Result",
     "SolveError",
+    "SpecimenCalibration",
     "__version__",
     "calibrate",
+    "calibrate_on_specimen",
     "correlate",
     "read_camera",
     "read_image",

@@ -1,6 +1,6 @@
 """Types of the extension module: the Rust core as Python sees it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, final
 
 import numpy as np
@@ -13,10 +13,12 @@ __all__ = [
     "ImageFrame",
     "Mesh",
     "Pinhole",
+    "SelfCalibration",
     "Solution",
     "Speckle",
     "__version__",
     "aperture_points",
+    "calibrate_on_specimen",
     "interpolate_image",
     "rectangle_mesh",
 ]
@@ -169,6 +171,49 @@ class Solution:
     def outside_cells(self) -> NDArray[np.int64]: ...
     @property
     def num_points(self) -> int: ...
+
+@final
+class SelfCalibration:
+    @property
+    def camera(self) -> Pinhole: ...
+    @property
+    def covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def sensitivities(self) -> NDArray[np.float64]: ...
+    @property
+    def motions(self) -> NDArray[np.float64]: ...
+    @property
+    def motion_deviations(self) -> NDArray[np.float64]: ...
+    @property
+    def history(self) -> list[tuple[int, int, float, float]]: ...
+    @property
+    def converged(self) -> bool: ...
+    @property
+    def residual_std(self) -> float: ...
+    @property
+    def noise(self) -> float: ...
+    @property
+    def num_points(self) -> int: ...
+
+def calibrate_on_specimen(
+    images: Sequence[_Image],
+    mesh: Mesh,
+    camera: Pinhole,
+    parameters: Sequence[str],
+    translations: ArrayLike,
+    *,
+    motion: Literal["translation", "in-plane", "spatial"] = "in-plane",
+    known_translations: bool = False,
+    density: float = 1.0,
+    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5",
+    prefilter: float = 0.8,
+    brightness: bool = True,
+    noise: float | None = None,
+    tolerance: float = 1e-5,
+    max_iterations: int = 50,
+    num_threads: int | None = None,
+    progress: Callable[[str, int, int, float, float], Any] | None = None,
+) -> SelfCalibration: ...
 
 @final
 class Speckle:

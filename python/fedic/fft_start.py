@@ -1,5 +1,7 @@
 """A start for large motions: one displacement for the whole mesh, by normalised cross-correlation."""
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,10 +9,12 @@ from fedic._core import Mesh
 from fedic._types import Camera, Floats, Image
 from fedic.errors import SolveError
 
-__all__ = ["uniform_start"]
+__all__ = ["translation_start", "uniform_start"]
 
 _COARSE_SIDE = 1024
 _SMALLEST_WINDOW = 8
+_WINDOWS, _WINDOW_SHARE = 3, 0.3
+"""Windows tried along each side of the image by `translation_start`, and the part of the side that one covers."""
 
 
 def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera) -> Floats:
@@ -40,14 +44,57 @@ def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera)
     points = mesh.points
     used = mesh.used_nodes
     pixels = camera.project(points)
-    shift = _window_shift(reference, deformed, pixels[used])
+    shift, _ = _window_shift(reference, deformed, pixels[used])
     z = float(points[used, 2].mean()) if points.shape[1] == 3 else 0.0
     start = np.zeros((len(points), 2))
     start[used] = (camera.unproject(pixels[used] + shift, z) - camera.unproject(pixels[used], z))[:, :2]
     return start
 
 
-def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> NDArray[np.int64]:
+def translation_start(reference: Image, moved: Image, mesh: Mesh, camera: Camera) -> Floats:
+    """Find the whole-pixel motion of a specimen between two images, however little of it stays in view.
+
+    Windows of a third of the image's sides, spread over what the mesh covers of the image, are searched for in the
+    moved image: the one found best tells the motion.
+
+    Parameters
+    ----------
+    reference, moved : ndarray, shape (height, width)
+        The two images, of the same shape.
+    mesh : Mesh
+        The specimen.
+    camera : camera
+        Turns the shift in pixels into a translation in the plane of the mesh's mean ``z``.
+
+    Returns
+    -------
+    ndarray of float, shape (2,)
+        Translation along ``X`` and ``Y``, in the mesh's unit.
+
+    Raises
+    ------
+    SolveError
+        If the mesh covers too little of the image, or shows no texture.
+    """
+    points = mesh.points[mesh.used_nodes]
+    limits = np.array([reference.shape[1], reference.shape[0]], dtype=np.float64)
+    pixels = camera.project(points)
+    low, high = np.clip(pixels.min(axis=0), 0.0, limits), np.clip(pixels.max(axis=0), 0.0, limits)
+    size = np.minimum(high - low, np.maximum(_WINDOW_SHARE * limits, 2.0 * _SMALLEST_WINDOW))
+    found = []
+    for along_u, along_v in product(np.linspace(0.0, 1.0, _WINDOWS), repeat=2):
+        corner = low + (along_u, along_v) * (high - low - size)
+        shift, score = _window_shift(reference, moved, np.array([corner, corner + size - 1.0]))
+        found.append((score, corner + 0.5 * size, shift))
+    _, centre, shift = max(found, key=lambda each: each[0])
+    z = float(points[:, 2].mean()) if points.shape[1] == 3 else 0.0
+    here, there = camera.unproject(np.array([centre, centre + shift]), z)[:, :2]
+    motion: Floats = there - here
+    return motion
+
+
+def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> tuple[NDArray[np.int64], float]:
+    """Return the shift (u, v) of the window around `pixels`, and its score: the correlation there."""
     import cv2
 
     f, g = reference.astype(np.float32), deformed.astype(np.float32)
@@ -59,7 +106,7 @@ def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> NDArray[
     coarse_f, coarse_g = (
         np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.float32) for image in (f, g)
     )
-    guess = np.rint(_best_shift(coarse_f, coarse_g, pixels / step) * step).astype(np.int64)
+    guess = np.rint(_best_shift(coarse_f, coarse_g, pixels / step)[0] * step).astype(np.int64)
     return _best_shift(f, g, pixels, near=guess, reach=int(np.ceil(step)) + 2)
 
 
@@ -69,8 +116,8 @@ def _best_shift(
     pixels: Floats,
     near: NDArray[np.int64] | None = None,
     reach: int = 0,
-) -> NDArray[np.int64]:
-    """Return the shift (u, v) of the window around `pixels`; `near` and `reach` restrict the search."""
+) -> tuple[NDArray[np.int64], float]:
+    """Return the shift (u, v) of the window around `pixels` and its score; `near` and `reach` restrict the search."""
     import cv2
 
     height, width = f.shape
@@ -86,7 +133,7 @@ def _best_shift(
     score = np.where(np.isfinite(score) & (score <= 1.0 + 1e-3), score, -1.0)  # flat areas divide by zero
     v, u = np.unravel_index(int(np.argmax(score)), score.shape)
     shift: NDArray[np.int64] = first + np.array([u, v]) - low
-    return shift
+    return shift, float(score[v, u])
 
 
 def _window(pixels: Floats, width: int, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

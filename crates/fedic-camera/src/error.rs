@@ -34,4 +34,13 @@ pub enum CameraError {
         /// The angle given.
         value: f64,
     },
+    /// No parameter of a pinhole camera has this name.
+    #[error(
+        "\"{name}\" is no parameter of a pinhole camera: choose among fx, fy, cx, cy (pixels), k1, k2, k3, d1, d2, p1, p2 \
+         (lens), rx, ry, rz, tx, ty, tz (pose)"
+    )]
+    UnknownParameter {
+        /// The name given.
+        name: String,
+    },
 }

@@ -19,7 +19,7 @@ pub struct Pinhole {
     skew_angle: f64,
     distortion: Option<BrownDistortion>,
     /// `[[a, b], [0, c]]` of the intrinsic matrix, as `[a, b, c]`.
-    intrinsic: [f64; 3],
+    pub(crate) intrinsic: [f64; 3],
 }
 
 /// Rotation matrix of a rotation vector: its direction is the axis, its length the angle in radians (Rodrigues).
@@ -136,7 +136,7 @@ impl Pinhole {
     }
 
     #[inline]
-    fn in_camera_frame(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn in_camera_frame(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|i| {
             let r = &self.rotation[i];
             r[0] * x + r[1] * y + r[2] * z + self.translation[i]
@@ -145,7 +145,7 @@ impl Pinhole {
 
     /// Retinal point and inverse depth; NaN for points behind the camera.
     #[inline]
-    fn retinal(&self, point: [f64; 3]) -> ([f64; 2], f64) {
+    pub(crate) fn retinal(&self, point: [f64; 3]) -> ([f64; 2], f64) {
         let [x, y, z] = self.in_camera_frame(point);
         let inverse_depth = if z > 0.0 { 1.0 / z } else { f64::NAN };
         ([x * inverse_depth, y * inverse_depth], inverse_depth)

@@ -356,7 +356,7 @@ impl BrownDistortion {
 ///     If a parameter is not finite or out of its range, or the matrix no rotation.
 #[pyclass(frozen, eq, module = "fedic._core")]
 #[derive(PartialEq)]
-pub(crate) struct Pinhole(fedic::Pinhole);
+pub(crate) struct Pinhole(pub(crate) fedic::Pinhole);
 
 camera_methods!(Pinhole {
     #[new]

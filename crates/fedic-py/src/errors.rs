@@ -72,6 +72,7 @@ impl IntoPyErr for Error {
             Self::Solve(error) => error.into_py_err(),
             Self::MeshOutsideImage { cells, .. } => python::MeshError::new_err((message, cells)),
             Self::SizeMismatch { .. } | Self::Flat { .. } => image_error(message),
+            Self::SelfCalibration(_) => solve_error(message),
             Self::Cancelled => PyKeyboardInterrupt::new_err(message),
         }
     }

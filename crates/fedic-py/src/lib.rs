@@ -6,6 +6,7 @@ mod correlator;
 mod errors;
 mod image;
 mod mesh;
+mod self_calibration;
 mod speckle;
 mod worker;
 
@@ -22,6 +23,8 @@ mod _core {
     use crate::image::interpolate_image;
     #[pymodule_export]
     use crate::mesh::{Mesh, rectangle_mesh};
+    #[pymodule_export]
+    use crate::self_calibration::{SelfCalibration, calibrate_on_specimen};
     #[pymodule_export]
     use crate::speckle::Speckle;
     #[pymodule_export]

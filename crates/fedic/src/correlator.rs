@@ -262,7 +262,7 @@ impl Correlator {
     }
 }
 
-fn thread_pool(num_threads: usize) -> Result<ThreadPool, SolveError> {
+pub(crate) fn thread_pool(num_threads: usize) -> Result<ThreadPool, SolveError> {
     ThreadPoolBuilder::new().num_threads(num_threads).build().map_err(|_| SolveError::InvalidOption {
         option: "num_threads",
         expected: "a number of threads that this machine can start",

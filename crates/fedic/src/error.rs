@@ -5,6 +5,8 @@ use fedic_image::ImageError;
 use fedic_mesh::{MeshError, list_indices};
 use thiserror::Error;
 
+use crate::SelfCalibrationError;
+
 /// Why a correlation could not be prepared or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
@@ -20,6 +22,9 @@ pub enum Error {
     /// The problem has no solution, or an option is out of its range.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// The images of a specimen do not give the camera.
+    #[error(transparent)]
+    SelfCalibration(#[from] SelfCalibrationError),
     /// The mesh does not project into the reference image.
     #[error(
         "{} outside the reference image of {width} x {height} pixels, as this camera sees it: {}; check the camera, the \

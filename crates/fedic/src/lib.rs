@@ -58,6 +58,7 @@ mod regularization;
 mod residual;
 mod residual_map;
 mod sampler;
+mod self_calibration;
 mod simd;
 mod solution;
 mod speckle;
@@ -69,8 +70,8 @@ mod work;
 pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};
 pub use fedic_camera::{
-    BrownDistortion, Camera, CameraError, FrontParallel, ImageFrame, Pinhole, Scaled, rotation_from_vector, unproject,
-    unproject_aperture, unproject_with_jacobian,
+    BrownDistortion, Camera, CameraError, FrontParallel, ImageFrame, Parameter, Pinhole, Scaled, rotation_from_vector,
+    unproject, unproject_aperture, unproject_with_jacobian,
 };
 pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,
@@ -81,6 +82,9 @@ pub use field::{cell_areas, interpolate_field};
 pub use monitor::{Monitor, Progress, Stage};
 pub use options::{Brightness, Gradient, Hessian, Options, Quadrature};
 pub use sampler::Sampler;
+pub use self_calibration::{
+    MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,
+};
 pub use solution::{Iteration, Solution};
 pub use speckle::Speckle;
 pub use strain::cell_strains;

@@ -19,6 +19,7 @@ EXPERIMENTS = (
     "resolution",
     "convergence",
     "distortion",
+    "specimen",
 )
 """Names, in the order of the report."""
 

@@ -1,0 +1,150 @@
+//! The camera from the specimen itself.
+
+use std::str::FromStr;
+
+use fedic::{Interpolation, Iteration, MotionKind, Parameter, SelfCalibrationOptions};
+use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::arrays::{describe, rows, to_array};
+use crate::camera::Pinhole;
+use crate::errors::{IntoPyErr, camera_error, mesh_error, solve_error};
+use crate::image::GreyArray;
+use crate::mesh::Mesh;
+use crate::worker::run;
+
+/// Camera parameters from rigid motions of a specimen; see `fedic.calibrate_on_specimen`.
+///
+/// ``images`` begins with the reference image; ``translations``, (n - 1, 2), are the motions to start from.
+#[pyfunction]
+#[pyo3(signature = (
+    images, mesh, camera, parameters, translations, *, motion="in-plane", known_translations=false, density=1.0,
+    interpolation="bspline5", prefilter=0.8, brightness=true, noise=None, tolerance=1e-5, max_iterations=50,
+    num_threads=None, progress=None
+))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn calibrate_on_specimen(
+    py: Python<'_>,
+    images: Vec<Bound<'_, PyAny>>,
+    mesh: &Bound<'_, PyAny>,
+    camera: &Bound<'_, PyAny>,
+    parameters: Vec<String>,
+    translations: &Bound<'_, PyAny>,
+    motion: &str,
+    known_translations: bool,
+    density: f64,
+    interpolation: &str,
+    prefilter: f64,
+    brightness: bool,
+    noise: Option<f64>,
+    tolerance: f64,
+    max_iterations: usize,
+    num_threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<SelfCalibration> {
+    let mesh = mesh
+        .cast::<Mesh>()
+        .map_err(|_| mesh_error(format!("mesh must be a fedic.Mesh, got {}", describe(mesh))))?
+        .get();
+    let camera = camera
+        .cast::<Pinhole>()
+        .map_err(|_| camera_error(format!("camera must be a fedic.Pinhole, got {}", describe(camera))))?
+        .get()
+        .0;
+    let parameters = parameters.iter().map(|name| Parameter::from_str(name));
+    let parameters = parameters.collect::<Result<Vec<_>, _>>().map_err(IntoPyErr::into_py_err)?;
+    let options = SelfCalibrationOptions {
+        motion: MotionKind::from_str(motion).map_err(IntoPyErr::into_py_err)?,
+        known_translations,
+        density,
+        interpolation: Interpolation::from_str(interpolation).map_err(|error| solve_error(error.to_string()))?,
+        prefilter,
+        brightness,
+        noise,
+        tolerance,
+        max_iterations,
+        num_threads,
+    };
+    let start = rows::<2>(translations, "translations", solve_error)?;
+    let name = |index: usize| if index == 0 { "the reference image".to_owned() } else { format!("image {index}") };
+    let borrowed = images.iter().enumerate().map(|(index, image)| GreyArray::borrow(image, &name(index)));
+    let borrowed = borrowed.collect::<PyResult<Vec<_>>>()?;
+    let views = borrowed.iter().enumerate().map(|(index, image)| image.view(&name(index)));
+    let views = views.collect::<PyResult<Vec<_>>>()?;
+    let (mesh, count) = (&mesh.inner, parameters.len());
+    let found = run(py, progress, move |monitor| {
+        fedic::calibrate_on_specimen(&views, mesh, &camera, &parameters, &start, &options, monitor)
+    })?;
+    Ok(SelfCalibration { inner: found, count })
+}
+
+/// A camera found on the specimen; see `fedic.SpecimenCalibration`.
+#[pyclass(frozen, module = "fedic._core")]
+pub(crate) struct SelfCalibration {
+    inner: fedic::SelfCalibration,
+    count: usize,
+}
+
+#[pymethods]
+impl SelfCalibration {
+    /// The camera.
+    #[getter]
+    fn camera(&self) -> Pinhole {
+        Pinhole(self.inner.camera)
+    }
+
+    /// Covariance of the parameters, (p, p) float64.
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        PyArray::from_slice(py, &self.inner.covariance).reshape([self.count, self.count])
+    }
+
+    /// Largest way, in pixels, that one unit of each parameter moves a node in an image, (p,) float64.
+    #[getter]
+    fn sensitivities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.inner.sensitivities)
+    }
+
+    /// Translation and rotation vector of each moved image, (n, 6) float64.
+    #[getter]
+    fn motions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.inner.motions)
+    }
+
+    /// Standard deviations of ``motions``, (n, 6) float64; 0 for what was held.
+    #[getter]
+    fn motion_deviations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.inner.motion_deviations)
+    }
+
+    /// ``(level, iteration, correction in pixels, residual_std)`` of every iteration, coarsest level first.
+    #[getter]
+    fn history(&self) -> Vec<(usize, usize, f64, f64)> {
+        let row = |i: &Iteration| (i.level, i.iteration, i.correction, i.residual_std);
+        self.inner.history.iter().map(row).collect()
+    }
+
+    /// Whether the last correction was within the tolerance.
+    #[getter]
+    fn converged(&self) -> bool {
+        self.inner.converged
+    }
+
+    /// Standard deviation of the grey levels of one image about the texture, as filtered.
+    #[getter]
+    fn residual_std(&self) -> f64 {
+        self.inner.residual_std
+    }
+
+    /// Standard deviation of the noise of one image that the covariance stands on, in grey levels.
+    #[getter]
+    fn noise(&self) -> f64 {
+        self.inner.noise
+    }
+
+    /// Number of quadrature points.
+    #[getter]
+    fn num_points(&self) -> usize {
+        self.inner.num_points
+    }
+}
