@@ -12,11 +12,21 @@ the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are 
 """
 
 from fedic import synthetic
-from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Mesh, Pinhole, __version__, rectangle_mesh
+from fedic._core import (
+    BrownDistortion,
+    FrontParallel,
+    ImageFrame,
+    InverseSplineDistortion,
+    Mesh,
+    Pinhole,
+    SplineDistortion,
+    __version__,
+    rectangle_mesh,
+)
 from fedic.calibration import Calibration, calibrate
 from fedic.camera_files import read_camera, write_camera
 from fedic.correlation import Correlator, correlate
-from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
+from fedic.errors import CalibrationWarning, CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
 from fedic.gmsh_meshing import unstructured_mesh
 from fedic.images import read_image
 from fedic.meshes import read_mesh
@@ -27,6 +37,7 @@ from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specime
 __all__ = [
     "BrownDistortion",
     "Calibration",
+    "CalibrationWarning",
     "CameraError",
     "ConfigError",
     "Correlator",
@@ -34,6 +45,7 @@ __all__ = [
     "FrontParallel",
     "ImageError",
     "ImageFrame",
+    "InverseSplineDistortion",
     "Iteration",
     "Mesh",
     "MeshError",
@@ -43,6 +55,7 @@ __all__ = [
     "Result",
     "SolveError",
     "SpecimenCalibration",
+    "SplineDistortion",
     "__version__",
     "calibrate",
     "calibrate_on_specimen",

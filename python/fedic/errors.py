@@ -6,7 +6,7 @@ layer found the fault.
 
 from collections.abc import Sequence
 
-__all__ = ["CameraError", "ConfigError", "FedicError", "ImageError", "MeshError", "SolveError"]
+__all__ = ["CalibrationWarning", "CameraError", "ConfigError", "FedicError", "ImageError", "MeshError", "SolveError"]
 
 
 class FedicError(Exception):
@@ -52,6 +52,10 @@ class ImageError(FedicError):
 
 class CameraError(FedicError):
     """A camera with impossible parameters, or points it cannot see."""
+
+
+class CalibrationWarning(UserWarning):
+    """Points lie outside the domain in which a lens was calibrated, where it is extrapolated."""
 
 
 class SolveError(FedicError):

@@ -22,6 +22,17 @@ pub trait Camera: Send + Sync {
         false
     }
 
+    /// Whether this point lies where the camera's lens was calibrated; elsewhere its projection is an extrapolation.
+    fn covers(&self, _point: [f64; 3]) -> bool {
+        true
+    }
+
+    /// A difference of positions, in pixels, that nobody can tell with this camera: what a simpler projection over a small
+    /// part of its view may differ from it.
+    fn precision(&self) -> f64 {
+        1e-6
+    }
+
     /// World point of the plane `Z = z` seen at `pixel` by this camera without its lens distortion: exact for a camera
     /// that has none, the start of the Newton iteration of [`unproject`](crate::unproject) for the others.
     fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3];

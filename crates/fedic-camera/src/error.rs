@@ -43,4 +43,46 @@ pub enum CameraError {
         /// The name given.
         name: String,
     },
+    /// A rectangle without area.
+    #[error("the domain of a spline is (x0, y0, x1, y1) with x0 < x1 and y0 < y1, got {domain:?}")]
+    EmptyDomain {
+        /// The rectangle given.
+        domain: [f64; 4],
+    },
+    /// Coefficients that do not make a spline.
+    #[error(
+        "a spline of {intervals:?} intervals along x and y has 3 coefficients more along each, and at least one interval; \
+         got {got} coefficients in all"
+    )]
+    SplineShape {
+        /// Intervals along each axis.
+        intervals: [usize; 2],
+        /// How many coefficients were given.
+        got: usize,
+    },
+    /// A lens that does not reach all of the domain wanted.
+    #[error(
+        "the lens does not reach all of {domain:?}: its model folds, or has no inverse there; take a smaller domain"
+    )]
+    LensOutOfReach {
+        /// The rectangle wanted.
+        domain: [f64; 4],
+    },
+    /// A lens that no spline follows.
+    #[error(
+        "no spline follows the lens to {tolerance:.1e} on the retinal plane, the finest is {error:.1e} off: allow more, or \
+         take a smaller domain"
+    )]
+    TooRough {
+        /// The difference allowed.
+        tolerance: f64,
+        /// The difference left.
+        error: f64,
+    },
+    /// A parameter that the lens does not have.
+    #[error("\"{name}\" is a coefficient of Brown's lens, and the camera has another: a spline")]
+    NotOfThisLens {
+        /// Name of the parameter.
+        name: &'static str,
+    },
 }

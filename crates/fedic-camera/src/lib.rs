@@ -14,7 +14,7 @@ mod scaled;
 mod unproject;
 
 pub use camera::Camera;
-pub use distortion::BrownDistortion;
+pub use distortion::{BrownDistortion, Distortion, InverseSplineDistortion, SplineDistortion, SplineField};
 pub use error::CameraError;
 pub use front_parallel::FrontParallel;
 pub use image_frame::ImageFrame;

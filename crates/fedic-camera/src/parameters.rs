@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use nalgebra::{Rotation3, Vector3};
 
-use crate::{BrownDistortion, CameraError, Pinhole};
+use crate::{BrownDistortion, CameraError, Distortion, Pinhole};
 
 /// One number of a [`Pinhole`] and its [`BrownDistortion`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +137,7 @@ impl Pinhole {
         let ([x, y], inverse_depth) = self.retinal(point);
         let [a, b, c] = self.intrinsic;
         let (seen, lens) = match self.distortion() {
-            Some(lens) => (lens.distort([x, y]), lens.jacobian([x, y])),
+            Some(lens) => lens.distort_with_jacobian([x, y]),
             None => ([x, y], [[1.0, 0.0], [0.0, 1.0]]),
         };
         let to_pixel = |[x, y]: [f64; 2]| [a * x + b * y, c * y];
@@ -181,20 +181,27 @@ impl Pinhole {
     ///
     /// # Errors
     ///
-    /// [`CameraError`] where the result is no camera: a focal length that is not positive, a number that is not finite.
+    /// [`CameraError`] where the result is no camera: a focal length that is not positive, a number that is not finite, a
+    /// coefficient of [`BrownDistortion`] beside another lens.
     ///
     /// # Examples
     ///
     /// ```
-    /// use fedic_camera::{Parameter, Pinhole, rotation_from_vector};
+    /// use fedic_camera::{BrownDistortion, Parameter, Pinhole, rotation_from_vector};
     /// let camera = Pinhole::new([1000.0; 2], [500.0, 400.0], rotation_from_vector([0.0; 3]), [0.0, 0.0, 2.0])?;
     /// let moved = camera.moved_by(&[Parameter::Cy, Parameter::K1], &[2.0, -0.1])?;
     /// assert_eq!(moved.principal_point(), [500.0, 402.0]);
-    /// assert_eq!(moved.distortion().map(|lens| lens.radial()), Some([-0.1, 0.0, 0.0]));
+    /// assert_eq!(moved.distortion(), Some(&BrownDistortion::new([-0.1, 0.0, 0.0], [0.0; 2], [0.0; 2])?.into()));
     /// # Ok::<(), fedic_camera::CameraError>(())
     /// ```
     pub fn moved_by(&self, parameters: &[Parameter], steps: &[f64]) -> Result<Self, CameraError> {
-        let lens = self.distortion().copied().unwrap_or_default();
+        let coefficient = parameters.iter().find(|parameter| parameter.is_of_lens());
+        if let (Some(coefficient), Some(Distortion::Spline(_) | Distortion::InverseSpline(_))) =
+            (coefficient, self.distortion())
+        {
+            return Err(CameraError::NotOfThisLens { name: coefficient.name() });
+        }
+        let lens = self.distortion().and_then(Distortion::brown).copied().unwrap_or_default();
         let ([mut radial, mut turn], mut decentering, mut prism) =
             ([lens.radial(), [0.0; 3]], lens.decentering(), lens.prism());
         let (mut focal, mut centre, mut translation) = (self.focal(), self.principal_point(), self.translation());
@@ -224,9 +231,10 @@ impl Pinhole {
             std::array::from_fn(|c| (turn * Vector3::from(self.rotation().map(|row| row[c]))).into());
         let rotation = std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]));
         let moved = Self::new(focal, centre, rotation, translation)?.with_skew_angle(self.skew_angle())?;
-        if self.distortion().is_none() && !parameters.iter().any(|parameter| parameter.is_of_lens()) {
-            return Ok(moved);
-        }
-        Ok(moved.with_distortion(BrownDistortion::new(radial, decentering, prism)?))
+        Ok(match (self.distortion(), coefficient) {
+            (None, None) => moved,
+            (Some(lens), None) => moved.with_distortion(lens.clone()),
+            (_, Some(_)) => moved.with_distortion(BrownDistortion::new(radial, decentering, prism)?),
+        })
     }
 }

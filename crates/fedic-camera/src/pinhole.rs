@@ -2,22 +2,24 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::{BrownDistortion, Camera, CameraError};
+use crate::{Camera, CameraError, Distortion};
 
 const ROTATION_TOLERANCE: f64 = 1e-6;
+/// In pixels: the third derivatives of a spline jump, by less than what any calibration knows of them.
+const SPLINE_PRECISION: f64 = 1e-4;
 
 /// Rigid motion (paper, eq. 20), canonical projection (24), distortion (27) and intrinsic matrix with skew (22, 25).
 ///
 /// The camera frame is OpenCV's: `x` right, `y` down, `z` forward, `X_c = R X_w + t`. A retinal point `(x, y)` falls at
 /// `u = fx x + fx cot(theta) y + cx`, `v = fy / sin(theta) y + cy`, with `theta` the angle between the pixel axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pinhole {
     focal: [f64; 2],
     principal_point: [f64; 2],
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
     skew_angle: f64,
-    distortion: Option<BrownDistortion>,
+    distortion: Option<Distortion>,
     /// `[[a, b], [0, c]]` of the intrinsic matrix, as `[a, b, c]`.
     pub(crate) intrinsic: [f64; 3],
 }
@@ -100,8 +102,8 @@ impl Pinhole {
     }
 
     /// The same camera behind a distorting lens.
-    pub fn with_distortion(mut self, distortion: BrownDistortion) -> Self {
-        self.distortion = Some(distortion);
+    pub fn with_distortion(mut self, distortion: impl Into<Distortion>) -> Self {
+        self.distortion = Some(distortion.into());
         self
     }
 
@@ -131,7 +133,7 @@ impl Pinhole {
     }
 
     /// The lens, where it distorts.
-    pub fn distortion(&self) -> Option<&BrownDistortion> {
+    pub fn distortion(&self) -> Option<&Distortion> {
         self.distortion.as_ref()
     }
 
@@ -172,7 +174,7 @@ impl Camera for Pinhole {
     fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
         let (retinal, inverse_depth) = self.retinal(point);
         let (seen, lens) = match &self.distortion {
-            Some(lens) => (lens.distort(retinal), lens.jacobian(retinal)),
+            Some(lens) => lens.distort_with_jacobian(retinal),
             None => (retinal, [[1.0, 0.0], [0.0, 1.0]]),
         };
         let [a, b, c] = self.intrinsic;
@@ -187,7 +189,15 @@ impl Camera for Pinhole {
     }
 
     fn is_beyond_fold(&self, point: [f64; 3]) -> bool {
-        self.distortion.is_some_and(|lens| lens.folds_within(self.retinal(point).0))
+        self.distortion.as_ref().is_some_and(|lens| lens.folds_within(self.retinal(point).0))
+    }
+
+    fn covers(&self, point: [f64; 3]) -> bool {
+        self.distortion.as_ref().is_none_or(|lens| lens.covers(self.retinal(point).0))
+    }
+
+    fn precision(&self) -> f64 {
+        if self.distortion.as_ref().is_some_and(|lens| lens.field().is_some()) { SPLINE_PRECISION } else { 1e-6 }
     }
 
     fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {

@@ -36,6 +36,14 @@ impl Camera for Scaled {
         self.camera.is_beyond_fold(point)
     }
 
+    fn covers(&self, point: [f64; 3]) -> bool {
+        self.camera.covers(point)
+    }
+
+    fn precision(&self) -> f64 {
+        self.camera.precision()
+    }
+
     fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3] {
         self.camera.unproject_linear(pixel.map(|c| c / self.factor), z)
     }

@@ -72,9 +72,9 @@ fn the_pixel_axes_must_cross() {
         assert_eq!(error.to_string(), format!("{text} {value}"));
     }
     let camera = pinhole().unwrap();
-    assert_eq!(camera.with_skew_angle(1.2).unwrap().skew_angle(), 1.2);
+    assert_eq!(camera.clone().with_skew_angle(1.2).unwrap().skew_angle(), 1.2);
     // Back at a right angle the camera is the one without skew.
-    let back = camera.with_skew_angle(1.2).unwrap().with_skew_angle(PI / 2.0).unwrap();
+    let back = camera.clone().with_skew_angle(1.2).unwrap().with_skew_angle(PI / 2.0).unwrap();
     assert_eq!(back, camera);
 }
 

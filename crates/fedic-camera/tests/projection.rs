@@ -73,7 +73,7 @@ fn pixels_count_to_the_right_and_downwards() {
 fn points_behind_the_camera_are_not_seen() {
     let lens = BrownDistortion::new([0.1, 0.0, 0.0], [0.01, 0.0], [0.0, 0.01]).unwrap();
     let upright = Pinhole::new([1000.0; 2], [500.0; 2], rotation_from_vector([0.0; 3]), [0.0, 0.0, 2.0]).unwrap();
-    for camera in [upright, upright.with_distortion(lens)] {
+    for camera in [upright.clone(), upright.with_distortion(lens)] {
         assert!(camera.project([0.1, 0.1, -1.9]).iter().all(|c| c.is_finite()));
         for z in [-2.0, -2.1, -1e9] {
             let (pixel, jacobian) = camera.project_with_jacobian([0.1, 0.1, z]);

@@ -10,7 +10,8 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{self, matrix, rows, to_array};
-use crate::errors::{IntoPyErr, camera_error};
+use crate::errors::{IntoPyErr, camera_error, warn};
+use crate::lens::{any_lens, lens_object, lens_repr};
 use crate::worker::run;
 
 /// Points per parallel task, at the least.
@@ -23,7 +24,7 @@ pub(crate) fn any_camera(object: &Bound<'_, PyAny>) -> PyResult<Arc<dyn Camera>>
     } else if let Ok(camera) = object.cast::<FrontParallel>() {
         Ok(Arc::new(camera.get().0))
     } else if let Ok(camera) = object.cast::<Pinhole>() {
-        Ok(Arc::new(camera.get().0))
+        Ok(Arc::new(camera.get().0.clone()))
     } else {
         Err(camera_error(format!(
             "camera must be an ImageFrame, a FrontParallel or a Pinhole, got {}",
@@ -40,6 +41,7 @@ fn project<'py>(
     let (points, _) = arrays::points(points, "points", camera_error)?;
     let project = |&point: &[f64; 3]| camera.project(point);
     let pixels = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(project).collect::<Vec<_>>()))?;
+    warn_of_extrapolation(py, camera, &points)?;
     to_array(py, &pixels)
 }
 
@@ -51,6 +53,7 @@ fn jacobian<'py>(
     let (points, _) = arrays::points(points, "points", camera_error)?;
     let jacobian = |&point: &[f64; 3]| camera.project_with_jacobian(point).1;
     let jacobians = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(jacobian).collect::<Vec<_>>()))?;
+    warn_of_extrapolation(py, camera, &points)?;
     PyArray::from_slice(py, jacobians.as_flattened().as_flattened()).reshape([points.len(), 2, 3])
 }
 
@@ -68,7 +71,31 @@ fn unproject_pixels<'py>(
         let [u, v] = pixels[first];
         return Err(unseen(failed, pixels.len(), &format!("number {first} at ({u}, {v})"), z));
     }
-    to_array(py, &points.into_iter().flatten().collect::<Vec<_>>())
+    let points: Vec<[f64; 3]> = points.into_iter().flatten().collect();
+    warn_of_extrapolation(py, camera, &points)?;
+    to_array(py, &points)
+}
+
+fn covers<'py>(
+    py: Python<'py>,
+    camera: &dyn Camera,
+    points: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let (points, _) = arrays::points(points, "points", camera_error)?;
+    Ok(PyArray1::from_iter(py, points.iter().map(|&point| camera.covers(point))))
+}
+
+/// Warns where the projection of points in front of the camera goes beyond what its lens was calibrated for.
+fn warn_of_extrapolation(py: Python<'_>, camera: &dyn Camera, points: &[[f64; 3]]) -> PyResult<()> {
+    let uncovered = points.iter().filter(|&&point| !camera.covers(point)).count();
+    if uncovered == 0 {
+        return Ok(());
+    }
+    let message = format!(
+        "{uncovered} of {} points lie outside the domain the lens was calibrated in: it is extrapolated there",
+        points.len()
+    );
+    warn(py, &message)
 }
 
 fn unseen(failed: usize, num_pixels: usize, first: &str, z: f64) -> PyErr {
@@ -142,7 +169,7 @@ pub(crate) fn aperture_points<'py>(
     PyArray1::from_vec(py, points.into_flattened()).reshape([num_pixels, samples, 2])
 }
 
-/// The three methods that every camera has.
+/// The methods that every camera has.
 macro_rules! camera_methods {
     ($type:ident { $($own:item)* }) => {
         #[pymethods]
@@ -177,6 +204,21 @@ macro_rules! camera_methods {
             ///     ``[i, 0] = du/d(X, Y, Z)``, ``[i, 1] = dv/d(X, Y, Z)`` in pixels per world unit.
             fn jacobian<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray3<f64>>> {
                 jacobian(py, &self.0, points)
+            }
+
+            /// Whether world points lie where the lens was calibrated; true everywhere but for lenses made of splines.
+            ///
+            /// Parameters
+            /// ----------
+            /// points : (n, 2) or (n, 3) array_like
+            ///     World points.
+            ///
+            /// Returns
+            /// -------
+            /// (n,) bool
+            ///     False where a projection is an extrapolation.
+            fn covers<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+                covers(py, &self.0, points)
             }
 
             /// World points of the plane ``Z = z`` seen at image points, by Newton's method (paper, Sect. 5.2).
@@ -266,71 +308,6 @@ camera_methods!(FrontParallel {
     }
 });
 
-/// Lens distortion after Brown: radial, decentering and prismatic (paper, eq. 27-30).
-///
-/// With ``r2 = x**2 + y**2`` the retinal point ``(x, y)`` is seen at
-/// ``x + x (k1 r2 + k2 r2**2 + k3 r2**3) + 2 d1 x y + d2 (r2 + 2 x**2) + p1 r2`` and
-/// ``y + y (k1 r2 + k2 r2**2 + k3 r2**3) + d1 (r2 + 2 y**2) + 2 d2 x y + p2 r2``.
-/// In OpenCV's names ``d1 = p1``, ``d2 = p2``, ``p1 = s1``, ``p2 = s3``.
-///
-/// Parameters
-/// ----------
-/// radial : (k1, k2, k3)
-/// decentering : (d1, d2)
-/// prism : (p1, p2)
-///
-/// Raises
-/// ------
-/// CameraError
-///     If a coefficient is not finite.
-#[pyclass(frozen, eq, from_py_object, module = "fedic._core")]
-#[derive(PartialEq, Clone)]
-pub(crate) struct BrownDistortion(fedic::BrownDistortion);
-
-#[pymethods]
-impl BrownDistortion {
-    #[new]
-    #[pyo3(
-        signature = (radial=[0.0, 0.0, 0.0], decentering=[0.0, 0.0], prism=[0.0, 0.0]),
-        text_signature = "(radial=(0.0, 0.0, 0.0), decentering=(0.0, 0.0), prism=(0.0, 0.0))"
-    )]
-    fn new(radial: [f64; 3], decentering: [f64; 2], prism: [f64; 2]) -> PyResult<Self> {
-        fedic::BrownDistortion::new(radial, decentering, prism).map(Self).map_err(IntoPyErr::into_py_err)
-    }
-
-    /// ``(k1, k2, k3)``.
-    #[getter]
-    fn radial(&self) -> (f64, f64, f64) {
-        self.0.radial().into()
-    }
-
-    /// ``(d1, d2)``.
-    #[getter]
-    fn decentering(&self) -> (f64, f64) {
-        self.0.decentering().into()
-    }
-
-    /// ``(p1, p2)``.
-    #[getter]
-    fn prism(&self) -> (f64, f64) {
-        self.0.prism().into()
-    }
-
-    #[allow(clippy::type_complexity)]
-    fn __getnewargs__(&self) -> ((f64, f64, f64), (f64, f64), (f64, f64)) {
-        (self.radial(), self.decentering(), self.prism())
-    }
-
-    fn __repr__(&self) -> String {
-        format!(
-            "BrownDistortion(radial={:?}, decentering={:?}, prism={:?})",
-            self.radial(),
-            self.decentering(),
-            self.prism()
-        )
-    }
-}
-
 /// Pinhole camera with skewed pixels and a distorting lens (paper, Sect. 5.1).
 ///
 /// The camera frame is OpenCV's: ``x`` right, ``y`` down, ``z`` forward, ``X_c = R X_w + t``. A retinal point falls at
@@ -348,7 +325,8 @@ impl BrownDistortion {
 ///     ``t``, in the world unit.
 /// skew_angle : float
 ///     ``theta``, the angle between the pixel axes, in radians.
-/// distortion : BrownDistortion, optional
+/// distortion : BrownDistortion, SplineDistortion or InverseSplineDistortion, optional
+///     The lens; none unless given.
 ///
 /// Raises
 /// ------
@@ -373,14 +351,14 @@ camera_methods!(Pinhole {
         rotation: Option<&Bound<'_, PyAny>>,
         translation: [f64; 3],
         skew_angle: f64,
-        distortion: Option<BrownDistortion>,
+        distortion: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let rotation = rotation.map_or(Ok(rotation_from_vector([0.0; 3])), rotation_matrix)?;
         let mut camera = fedic::Pinhole::new(focal, principal_point, rotation, translation)
             .and_then(|camera| camera.with_skew_angle(skew_angle))
             .map_err(IntoPyErr::into_py_err)?;
         if let Some(lens) = distortion {
-            camera = camera.with_distortion(lens.0);
+            camera = camera.with_distortion(any_lens(lens)?);
         }
         Ok(Self(camera))
     }
@@ -417,21 +395,21 @@ camera_methods!(Pinhole {
 
     /// The lens, or None where it does not distort.
     #[getter]
-    fn distortion(&self) -> Option<BrownDistortion> {
-        self.0.distortion().copied().map(BrownDistortion)
+    fn distortion<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.0.distortion().map(|lens| lens_object(py, lens)).transpose()
     }
 
     #[allow(clippy::type_complexity)]
     fn __getnewargs__<'py>(
         &self,
         py: Python<'py>,
-    ) -> PyResult<((f64, f64), (f64, f64), Bound<'py, PyArray2<f64>>, (f64, f64, f64), f64, Option<BrownDistortion>)> {
-        let rotation = self.rotation(py)?;
-        Ok((self.focal(), self.principal_point(), rotation, self.translation(), self.skew_angle(), self.distortion()))
+    ) -> PyResult<((f64, f64), (f64, f64), Bound<'py, PyArray2<f64>>, (f64, f64, f64), f64, Option<Bound<'py, PyAny>>)> {
+        let (rotation, lens) = (self.rotation(py)?, self.distortion(py)?);
+        Ok((self.focal(), self.principal_point(), rotation, self.translation(), self.skew_angle(), lens))
     }
 
     fn __repr__(&self) -> String {
-        let lens = self.distortion().map_or_else(|| "None".to_owned(), |lens| lens.__repr__());
+        let lens = self.0.distortion().map_or_else(|| "None".to_owned(), lens_repr);
         format!(
             "Pinhole(focal={:?}, principal_point={:?}, rotation={:?}, translation={:?}, skew_angle={}, distortion={lens})",
             self.focal(),

@@ -11,6 +11,7 @@ mod python {
     pyo3::import_exception!(fedic.errors, CameraError);
     pyo3::import_exception!(fedic.errors, SolveError);
     pyo3::import_exception!(fedic.errors, FedicError);
+    pyo3::import_exception!(fedic.errors, CalibrationWarning);
 }
 
 /// A Python exception made of a core error.
@@ -101,4 +102,10 @@ pub(crate) fn solve_error(message: String) -> PyErr {
 /// The base class: for faults of fedic itself.
 pub(crate) fn internal_error(message: String) -> PyErr {
     python::FedicError::new_err(message)
+}
+
+/// A `CalibrationWarning` at the line that called fedic.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let category = py.get_type::<python::CalibrationWarning>();
+    PyErr::warn(py, &category, &std::ffi::CString::new(message)?, 1)
 }

@@ -5,6 +5,7 @@ mod camera;
 mod correlator;
 mod errors;
 mod image;
+mod lens;
 mod mesh;
 mod self_calibration;
 mod speckle;
@@ -16,11 +17,13 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use crate::camera::{BrownDistortion, FrontParallel, ImageFrame, Pinhole, aperture_points};
+    use crate::camera::{FrontParallel, ImageFrame, Pinhole, aperture_points};
     #[pymodule_export]
     use crate::correlator::{Correlator, Solution};
     #[pymodule_export]
     use crate::image::interpolate_image;
+    #[pymodule_export]
+    use crate::lens::{BrownDistortion, InverseSplineDistortion, SplineDistortion, spline_basis};
     #[pymodule_export]
     use crate::mesh::{Mesh, rectangle_mesh};
     #[pymodule_export]

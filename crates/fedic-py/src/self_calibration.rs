@@ -50,7 +50,8 @@ pub(crate) fn calibrate_on_specimen(
         .cast::<Pinhole>()
         .map_err(|_| camera_error(format!("camera must be a fedic.Pinhole, got {}", describe(camera))))?
         .get()
-        .0;
+        .0
+        .clone();
     let parameters = parameters.iter().map(|name| Parameter::from_str(name));
     let parameters = parameters.collect::<Result<Vec<_>, _>>().map_err(IntoPyErr::into_py_err)?;
     let options = SelfCalibrationOptions {
@@ -90,7 +91,7 @@ impl SelfCalibration {
     /// The camera.
     #[getter]
     fn camera(&self) -> Pinhole {
-        Pinhole(self.inner.camera)
+        Pinhole(self.inner.camera.clone())
     }
 
     /// Covariance of the parameters, (p, p) float64.

@@ -20,8 +20,6 @@ const UP_TO_DEGREE: [usize; 4] = [2, 5, 9, 14];
 /// Rows of a fit that give the coefficients of `xi^4` and `eta^4`.
 const X4: usize = 10;
 const Y4: usize = 14;
-/// Largest difference from the camera, in pixels.
-const TOLERANCE: f64 = 1e-6;
 /// Coefficients that add up to less than this, in pixels, are left out.
 const NEGLIGIBLE: f64 = 5e-7;
 /// Largest difference from the camera's Jacobian, relative: it only weighs residuals.
@@ -255,7 +253,7 @@ impl Fit {
         (0..2).all(|c| {
             let monomials = coefficients[c][1..].iter().zip(&self.check_monomials);
             let expanded = origin[c] + coefficients[c][0] + monomials.map(|(c, m)| c * m).sum::<f64>();
-            (expanded - seen[c]).abs() <= TOLERANCE
+            (expanded - seen[c]).abs() <= camera.precision()
         }) && (0..4).all(|entry| {
             let [constant, xi, eta] = jacobian[entry];
             let expanded = constant + xi * self.check_monomials[0] + eta * self.check_monomials[1];

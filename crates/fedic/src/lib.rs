@@ -70,8 +70,9 @@ mod work;
 pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};
 pub use fedic_camera::{
-    BrownDistortion, Camera, CameraError, FrontParallel, ImageFrame, Parameter, Pinhole, Scaled, rotation_from_vector,
-    unproject, unproject_aperture, unproject_with_jacobian,
+    BrownDistortion, Camera, CameraError, Distortion, FrontParallel, ImageFrame, InverseSplineDistortion, Parameter,
+    Pinhole, Scaled, SplineDistortion, SplineField, rotation_from_vector, unproject, unproject_aperture,
+    unproject_with_jacobian,
 };
 pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,

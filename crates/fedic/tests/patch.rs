@@ -121,6 +121,6 @@ fn a_stretch_is_found_through_a_tilted_camera_and_its_lens() {
     let camera = Pinhole::new([600.0, 610.0], [80.2, 69.1], rotation, [0.1, -0.2, 60.0]).unwrap();
     let camera = camera.with_skew_angle(1.55).unwrap().with_distortion(lens);
     for hessian in [Hessian::Initial, Hessian::Updated] {
-        check_in_millimetres(Arc::new(camera), hessian);
+        check_in_millimetres(Arc::new(camera.clone()), hessian);
     }
 }

@@ -50,7 +50,7 @@ fn the_lens_its_centre_and_the_motions_are_found() {
         let options = SelfCalibrationOptions { motion, prefilter: 0.0, ..SelfCalibrationOptions::default() };
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
         assert!(found.converged, "{:?}", found.history);
-        let k1 = found.camera.distortion().unwrap().radial()[0];
+        let k1 = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
         assert!((k1 / K1 - 1.0).abs() < 2e-3, "{motion:?}: {k1}");
         for (found, true_value) in found.camera.principal_point().into_iter().zip(CENTRE) {
             assert!((found - true_value).abs() < 0.1, "{motion:?}: {found} for {true_value}");
@@ -84,7 +84,7 @@ fn the_number_of_threads_changes_no_bit() {
     let bits = |num_threads| -> Vec<u64> {
         let options = SelfCalibrationOptions { num_threads, ..SelfCalibrationOptions::default() };
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
-        let lens = found.camera.distortion().unwrap().radial()[0];
+        let lens = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
         let motions = found.motions.iter().chain(&found.motion_deviations).flatten();
         let iterations = found.history.iter().flat_map(|i| [&i.correction, &i.residual_std]);
         let numbers = motions.chain(iterations).chain(&found.covariance).chain([&lens, &found.noise]);

@@ -76,7 +76,7 @@ use crate::{Error, Monitor};
 /// let views = images.each_ref().map(Image::view);
 /// let options = SelfCalibrationOptions::default();
 /// let found = calibrate_on_specimen(&views, &specimen, &start, &[Parameter::K1], &motions, &options, &())?;
-/// let k1 = found.camera.distortion().map_or(0.0, |lens| lens.radial()[0]);
+/// let k1 = found.camera.distortion().and_then(|lens| lens.brown()).map_or(0.0, |lens| lens.radial()[0]);
 /// assert!(found.converged && (k1 + 0.2).abs() < 2e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -96,6 +96,7 @@ pub fn calibrate_on_specimen(
     monitor: &dyn Monitor,
 ) -> Result<SelfCalibration, Error> {
     check(images, parameters, start, options)?;
+    camera.moved_by(parameters, &vec![0.0; parameters.len()])?;
     let (mesh, _) = mesh.compact();
     let solve = || solve(images, &mesh, camera, parameters, start, options, monitor);
     match options.num_threads.map(thread_pool).transpose()? {

@@ -58,7 +58,7 @@ pub(crate) fn solve(
     let count = mesh.num_nodes() as f64;
     let pivot = std::array::from_fn(|d| mesh.points().iter().map(|point| point[d]).sum::<f64>() / count);
     let mut state = State {
-        camera: *camera,
+        camera: camera.clone(),
         motions: std::iter::once(&[0.0; 2]).chain(start).map(|&start| Motion::translation(pivot, start)).collect(),
         brightness: vec![[1.0, 0.0]; images.len()],
     };

@@ -39,7 +39,7 @@ pub(crate) struct View<'a> {
 impl<'a> View<'a> {
     /// The images, with the points of `density` per pixel of `camera`.
     pub(crate) fn new(problem: &'a Problem<'a>, frames: Frames, camera: &Pinhole, density: f64) -> Result<Self, Error> {
-        let counting = Scaled::new(Arc::new(*camera), frames.factor);
+        let counting = Scaled::new(Arc::new(camera.clone()), frames.factor);
         let rule = Quadrature::Mesh { rule: Rule::default(), density };
         let quadrature = CellQuadrature::new(problem.mesh, &counting, rule)?;
         Ok(Self { problem, frames, quadrature, counting })

@@ -1,9 +1,6 @@
-//! Lens distortion on the retinal plane.
+//! The lens of few coefficients (paper, Fig. 11).
 
 use crate::CameraError;
-
-/// Places between the optical axis and a point where a fold is looked for.
-const FOLD_SAMPLES: u32 = 32;
 
 /// Brown's model: radial, decentering and prismatic distortion (paper, eq. 27-30).
 ///
@@ -80,22 +77,14 @@ impl BrownDistortion {
         ]
     }
 
-    /// Whether the model folds the retinal plane between the optical axis and `(x, y)`: its Jacobian changes sign there,
-    /// and what lies beyond is shown a second time.
-    pub fn folds_within(&self, [x, y]: [f64; 2]) -> bool {
+    /// Whether the coefficients are so small that the model cannot fold between the optical axis and `(x, y)`.
+    pub(super) fn is_gentle_within(&self, [x, y]: [f64; 2]) -> bool {
         let r = x.hypot(y);
         let r2 = r * r;
         // Bounds the Jacobian's distance from the identity on the way, in the spectral norm.
         let [k1, k2, k3] = self.radial.map(f64::abs);
         let [d1, d2] = self.decentering.map(f64::abs);
         let radial = r2 * (3.0 * k1 + r2 * (5.0 * k2 + r2 * 7.0 * k3));
-        if radial + r * (7.0 * (d1 + d2) + 2.0 * self.prism[0].hypot(self.prism[1])) < 1.0 {
-            return false;
-        }
-        (1..=FOLD_SAMPLES).any(|k| {
-            let part = f64::from(k) / f64::from(FOLD_SAMPLES);
-            let [[xx, xy], [yx, yy]] = self.jacobian([part * x, part * y]);
-            xx * yy - xy * yx <= 0.0
-        })
+        radial + r * (7.0 * (d1 + d2) + 2.0 * self.prism[0].hypot(self.prism[1])) < 1.0
     }
 }
