@@ -132,14 +132,12 @@ def test_the_example_shows_every_key() -> None:
 
     def check(schema: dict, definitions: dict) -> None:
         for name, value in schema["properties"].items():
-            nested = value.get("$ref") or next((o["$ref"] for o in value.get("anyOf", []) if "$ref" in o), None)
-            if nested:
-                check(definitions[nested.rsplit("/", 1)[1]], definitions)
-            elif "oneOf" in value:
-                for option in value["oneOf"]:
-                    check(definitions[option["$ref"].rsplit("/", 1)[1]], definitions)
-            else:
-                assert name in lines, name
+            options = [value, *value.get("anyOf", [])]
+            options += [each for option in options for each in option.get("oneOf", [])]
+            nested = [option["$ref"] for option in options if "$ref" in option]
+            for reference in nested:
+                check(definitions[reference.rsplit("/", 1)[1]], definitions)
+            assert nested or name in lines, name
 
     schema = Config.model_json_schema()
     check(schema, schema["$defs"])

@@ -7,11 +7,12 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import FrontParallel, ImageFrame, Pinhole
+from fedic._core import BrownDistortion, FrontParallel, ImageFrame, InverseSplineDistortion, Pinhole, SplineDistortion
 
-__all__ = ["CELL_NAMES", "NODE_COUNTS", "Camera", "CellName", "Floats", "Image", "Progress", "StrPath"]
+__all__ = ["CELL_NAMES", "NODE_COUNTS", "Camera", "CellName", "Distortion", "Floats", "Image", "Progress", "StrPath"]
 
 Camera: TypeAlias = ImageFrame | FrontParallel | Pinhole
+Distortion: TypeAlias = BrownDistortion | SplineDistortion | InverseSplineDistortion
 CellName: TypeAlias = Literal["triangle", "triangle6", "quad", "quad8", "quad9"]
 CELL_NAMES: tuple[str, ...] = get_args(CellName)
 NODE_COUNTS: dict[str, int] = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}

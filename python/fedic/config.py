@@ -17,12 +17,22 @@ from pydantic import (
     Tag,
     ValidationError,
     ValidationInfo,
+    field_validator,
     model_validator,
 )
 from pydantic_core import ErrorDetails
 
-from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Mesh, Pinhole, rectangle_mesh
-from fedic._types import Camera, CellName
+from fedic._core import (
+    BrownDistortion,
+    FrontParallel,
+    ImageFrame,
+    InverseSplineDistortion,
+    Mesh,
+    Pinhole,
+    SplineDistortion,
+    rectangle_mesh,
+)
+from fedic._types import Camera, CellName, Distortion
 from fedic.camera_files import read_camera
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.gmsh_meshing import unstructured_mesh
@@ -154,9 +164,45 @@ class FrontParallelSection(_Section):
 class DistortionSection(_Section):
     """``[camera.distortion]``: the Brown-Conrady lens."""
 
+    model: Literal["brown"] = "brown"
     radial: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
     decentering: tuple[Real, Real] = (0.0, 0.0)
     prism: tuple[Real, Real] = (0.0, 0.0)
+
+    def build(self) -> Distortion:
+        """Make the lens."""
+        return BrownDistortion(self.radial, self.decentering, self.prism)
+
+
+class SplineSection(_Section):
+    """``[camera.distortion]``: a lens of any shape, as `fedic.write_camera` writes it."""
+
+    model: Literal["spline", "inverse-spline"]
+    domain: tuple[Real, Real, Real, Real]
+    coefficients: list[list[tuple[Real, Real]]]
+
+    @field_validator("coefficients")
+    @classmethod
+    def _rectangular(cls, rows: list[list[tuple[float, float]]]) -> list[list[tuple[float, float]]]:
+        if len({len(row) for row in rows}) != 1:
+            raise ValueError("should have rows of one length")
+        return rows
+
+    def build(self) -> Distortion:
+        """Make the lens."""
+        kind = SplineDistortion if self.model == "spline" else InverseSplineDistortion
+        return kind(self.domain, self.coefficients)
+
+
+def _lens_kind(value: object) -> str:
+    if isinstance(value, dict):
+        return "spline" if value.get("model") in ("spline", "inverse-spline") else "brown"
+    return "spline" if isinstance(value, SplineSection) else "brown"
+
+
+LensSection: TypeAlias = Annotated[
+    Annotated[DistortionSection, Tag("brown")] | Annotated[SplineSection, Tag("spline")], Discriminator(_lens_kind)
+]
 
 
 class PinholeSection(_Section):
@@ -168,7 +214,7 @@ class PinholeSection(_Section):
     rotation: Annotated[list[Any], BeforeValidator(_rotation)] = [0.0, 0.0, 0.0]
     translation: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
     skew_angle: Positive = np.pi / 2
-    distortion: DistortionSection | None = None
+    distortion: LensSection | None = None
 
     def build(self) -> Camera:
         """Make the camera."""
@@ -179,7 +225,7 @@ class PinholeSection(_Section):
             rotation=self.rotation,
             translation=self.translation,
             skew_angle=self.skew_angle,
-            distortion=None if lens is None else BrownDistortion(lens.radial, lens.decentering, lens.prism),
+            distortion=None if lens is None else lens.build(),
         )
 
 
@@ -285,7 +331,8 @@ _SECTIONS: dict[str, type[_Section]] = {
     "camera.image-frame": ImageFrameSection,
     "camera.front-parallel": FrontParallelSection,
     "camera.pinhole": PinholeSection,
-    "camera.pinhole.distortion": DistortionSection,
+    "camera.pinhole.distortion.brown": DistortionSection,
+    "camera.pinhole.distortion.spline": SplineSection,
     "camera.file": CameraFileSection,
     "correlation": CorrelationSection,
     "output": OutputSection,
@@ -436,13 +483,15 @@ def _fault(details: ErrorDetails) -> tuple[str, str]:
 
 
 def _dotted(location: tuple[int | str, ...]) -> str:
-    """Write a location as in the file: without the tag pydantic inserts, indices in brackets."""
-    parts = [part for index, part in enumerate(location) if not (index == 1 and _is_camera_tag(location))]
+    """Write a location as in the file: without the tags pydantic inserts, indices in brackets."""
+    parts = [part for index, part in enumerate(location) if not _is_tag(location, index)]
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).removeprefix(".")
 
 
-def _is_camera_tag(location: tuple[int | str, ...]) -> bool:
-    return len(location) > 1 and location[0] == "camera" and location[1] in (*_CAMERA_MODELS, "file")
+def _is_tag(location: tuple[int | str, ...], index: int) -> bool:
+    if index == 1:
+        return location[0] == "camera" and location[1] in (*_CAMERA_MODELS, "file")
+    return location[:3] == ("camera", "pinhole", "distortion") and index == 3
 
 
 def _suggestion(location: tuple[int | str, ...]) -> str:

@@ -1,5 +1,6 @@
 """The measurement: from two images, a mesh and a camera to a displacement field."""
 
+import warnings
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from fedic import _core
 from fedic._core import ImageFrame, Mesh
 from fedic._types import Camera, Floats, Image, Progress
-from fedic.errors import SolveError
+from fedic.errors import CalibrationWarning, SolveError
 from fedic.fft_start import uniform_start
 from fedic.images import as_image, as_pair
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
@@ -111,6 +112,7 @@ class Correlator:
             num_threads=num_threads,
             progress=progress,
         )
+        _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
 
     @property
     def num_points(self) -> int:
@@ -151,6 +153,9 @@ class Correlator:
             pyramid=isinstance(start, str),
             progress=progress,
         )
+        places = self._mesh.points.copy()
+        places[:, :2] += solution.displacement
+        _warn_of_extrapolation(self._camera, self._mesh, places, "have moved")
         return Result(
             mesh=self._mesh,
             camera=self._camera,
@@ -300,6 +305,17 @@ max_iterations, num_threads
         progress=progress,
     )
     return correlator.correlate(deformed, progress=progress)
+
+
+def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str) -> None:
+    outside = np.flatnonzero(mesh.used_nodes & ~camera.covers(places))
+    if outside.size:
+        warnings.warn(
+            f"{outside.size} of {mesh.num_nodes} nodes {what} outside the domain the lens was calibrated in, the first "
+            f"being node {outside[0]}: it is extrapolated there, and what is measured there with it.",
+            CalibrationWarning,
+            stacklevel=3,
+        )
 
 
 def _rule(quadrature: Quadrature) -> tuple[Literal["rotated", "edges", "diameter", "pixel"], float]:

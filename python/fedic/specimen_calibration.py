@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fedic import _core
-from fedic._core import Mesh, Pinhole
+from fedic._core import BrownDistortion, Mesh, Pinhole
 from fedic._types import Camera, Floats, Image, Progress
 from fedic.correlation import Interpolation
 from fedic.errors import CameraError, ImageError, MeshError, SolveError
@@ -303,7 +303,7 @@ def _advice_on_motions(found: _core.SelfCalibration, mesh: Mesh, size: tuple[int
 
 
 def _lens_coefficient(camera: Pinhole, name: str) -> float | None:
-    if name not in _LENS or camera.distortion is None:
-        return None
     lens = camera.distortion
+    if name not in _LENS or not isinstance(lens, BrownDistortion):
+        return None
     return dict(zip(_LENS, (*lens.radial, *lens.decentering, *lens.prism), strict=True))[name]

@@ -33,15 +33,20 @@ proptest! {
         let ([x0, y0, x1, y1], [nx, ny]) = (field.domain(), field.intervals());
         let (s, t) = ((x - x0) / (x1 - x0) * nx as f64, (y - y0) / (y1 - y0) * ny as f64);
         let mut sum = [0.0; 2];
-        let mut basis = vec![0.0; field.coefficients().len()];
-        field.add_basis([x, y], &mut basis);
+        let [mut basis, mut by_x, mut by_y] = [(); 3].map(|()| vec![0.0; field.coefficients().len()]);
+        field.add_basis([x, y], [&mut basis, &mut by_x, &mut by_y]);
         for (k, c) in field.coefficients().iter().enumerate() {
             let (i, j) = ((k % (nx + 3)) as f64 - 1.0, (k / (nx + 3)) as f64 - 1.0);
             let weight = cubic(s - i) * cubic(t - j);
             prop_assert!((basis[k] - weight).abs() < 1e-13);
             (0..2).for_each(|d| sum[d] += weight * c[d]);
         }
-        prop_assert!(distance(field.value([x, y]), sum) < 1e-14);
+        let (value, jacobian) = field.value_with_jacobian([x, y]);
+        prop_assert!(distance(value, sum) < 1e-14);
+        for d in 0..2 {
+            let slope = |basis: &[f64]| basis.iter().zip(field.coefficients()).map(|(b, c)| b * c[d]).sum::<f64>();
+            prop_assert!(distance(jacobian[d], [slope(&by_x), slope(&by_y)]) < 1e-13);
+        }
     }
 
     #[test]

@@ -355,7 +355,8 @@ spline_methods!(InverseSplineDistortion {
     }
 });
 
-/// What each coefficient of a spline on a rectangle counts for at points: the products of the cubic basis functions.
+/// What each coefficient of a spline on a rectangle counts for at points: the products of the cubic basis functions, and their
+/// derivatives.
 ///
 /// Parameters
 /// ----------
@@ -368,8 +369,8 @@ spline_methods!(InverseSplineDistortion {
 ///
 /// Returns
 /// -------
-/// (n, (ny + 3) * (nx + 3)) float64
-///     One row per point, the coefficients row after row along ``y``.
+/// (3, n, (ny + 3) * (nx + 3)) float64
+///     Values, derivatives by ``x`` and by ``y``; one row per point, the coefficients row after row along ``y``.
 ///
 /// Raises
 /// ------
@@ -381,13 +382,16 @@ pub(crate) fn spline_basis<'py>(
     domain: [f64; 4],
     intervals: [usize; 2],
     points: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let points = rows::<2>(points, "points", camera_error)?;
     let width = intervals.iter().map(|count| count + 3).product();
     let field = SplineField::new(domain, intervals, vec![[0.0; 2]; width]).map_err(IntoPyErr::into_py_err)?;
-    let mut entries = vec![0.0; points.len() * width];
-    for (row, &point) in entries.chunks_exact_mut(width).zip(&points) {
-        field.add_basis(point, row);
+    let mut entries = vec![0.0; 3 * points.len() * width];
+    let (values, slopes) = entries.split_at_mut(points.len() * width);
+    let (by_x, by_y) = slopes.split_at_mut(points.len() * width);
+    let rows = values.chunks_exact_mut(width).zip(by_x.chunks_exact_mut(width)).zip(by_y.chunks_exact_mut(width));
+    for (((value, by_x), by_y), &point) in rows.zip(&points) {
+        field.add_basis(point, [value, by_x, by_y]);
     }
-    PyArray::from_vec(py, entries).reshape([points.len(), width])
+    PyArray::from_vec(py, entries).reshape([3, points.len(), width])
 }

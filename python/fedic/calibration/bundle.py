@@ -1,8 +1,8 @@
 """Least squares over the intrinsic parameters and the poses of all the views, and their covariance.
 
-Levenberg-Marquardt on the pixels' distances (Zhang, "A flexible new technique for camera calibration", 2000), with the
-projection and its derivatives from OpenCV. Its own minimiser cannot free the two prism coefficients alone, nor weigh
-points, and gives no covariance.
+Levenberg-Marquardt on the pixels' distances (Zhang, "A flexible new technique for camera calibration", 2000). OpenCV's
+own minimiser cannot free the two prism coefficients alone, nor weigh points, takes no other lens, and gives no
+covariance.
 """
 
 from dataclasses import dataclass, replace
@@ -10,17 +10,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fedic._types import Floats
-from fedic.calibration.lens import COEFFICIENTS, Lens
+from fedic.calibration.lens import Lens
 from fedic.calibration.normal_equations import NormalEquations
 from fedic.errors import CameraError
 
 __all__ = ["Bundle", "Estimate", "Observation"]
 
-_CORRECTION = 1e-5
-"""The minimum is found when a correction is below this fraction of a standard deviation."""
 _IMMATERIAL = 1e-3
 """Likewise where a step does not lower the cost: so close to the minimum that is rounding."""
 _EXACT_PX = 1e-8
+_AHEAD = 0.1
+"""Part of a step over which the curvature along it is seen."""
 _STUCK_DAMPING = 1e12
 _LARGEST_CONDITION = 1e12
 
@@ -48,7 +48,7 @@ class Estimate:
     Attributes
     ----------
     intrinsics : ndarray, shape (p,)
-        Of `Lens.parameters`.
+        Of the unknowns of the `Lens`.
     rotations : ndarray, shape (n, 3, 3)
         From the target to the camera, one per view.
     translations : ndarray, shape (n, 3)
@@ -93,26 +93,26 @@ class Bundle:
 
     def residuals(self, estimate: Estimate) -> list[Floats]:
         """Return seen minus projected pixels, (n, 2) for each view."""
-        return [self._linearised(estimate, view, derivatives=False)[0] for view in range(len(self._observations))]
+        return [self._linearised(estimate, view)[0] for view in range(len(self._observations))]
 
     def minimise(self, estimate: Estimate, max_iterations: int) -> tuple[Estimate, bool]:
         """Move an estimate to the minimum; also say whether it was reached."""
-        equations, cost = self._normal_equations(estimate)
-        damping = 1e-3
+        equations = self._normal_equations(estimate)
+        damping = self._lens.first_damping
         for _ in range(max_iterations):
             try:
                 newton, correction = equations.step(0.0)
-                step, _ = equations.step(damping)
+                step = self._bent(estimate, equations, damping)
             except np.linalg.LinAlgError:
                 return estimate, False
-            noise = max(np.sqrt(cost / max(self.freedom, 1)), _EXACT_PX)
+            noise = max(np.sqrt(equations.cost / max(self.freedom, 1)), _EXACT_PX)
             deviations = np.sqrt(max(correction, 0.0)) / noise
-            if deviations <= _CORRECTION:
+            if deviations <= self._lens.tolerance:
                 return estimate.moved(newton), True
             trial = estimate.moved(step)
-            if self._cost(trial) < cost:
+            if self._cost(trial) < equations.cost:
                 estimate, damping = trial, max(damping / 10.0, 1e-12)
-                equations, cost = self._normal_equations(estimate)
+                equations = self._normal_equations(estimate)
             elif deviations <= _IMMATERIAL:
                 return estimate, True
             else:
@@ -121,11 +121,34 @@ class Bundle:
                     return estimate, False
         return estimate, False
 
+    def _bent(self, estimate: Estimate, equations: NormalEquations, damping: float) -> Floats:
+        """Return a step, bent as the projections curve along it (Transtrum and Sethna, 2012).
+
+        Where the views hardly determine a combination of the unknowns, the minimum lies far along a narrow curved
+        valley, which straight steps follow slowly.
+        """
+        step, _ = equations.step(damping)
+        ahead, now = self._weighted(estimate.moved(_AHEAD * step)), self._weighted(estimate)
+        straight = equations.changes(step)
+        curves = [
+            2.0 / _AHEAD * ((after - before) / _AHEAD + change)
+            for after, before, change in zip(ahead, now, straight, strict=True)
+        ]
+        if not all(np.isfinite(curve).all() for curve in curves):
+            return step
+        bend, _ = equations.step_to(damping, curves)
+        return step + 0.5 * bend if np.linalg.norm(bend) <= np.linalg.norm(step) else step
+
+    def _weighted(self, estimate: Estimate) -> list[Floats]:
+        """Return the weighted residuals (2 n,) of each view."""
+        pairs = zip(self._weights, self.residuals(estimate), strict=True)
+        return [(np.sqrt(weights)[:, np.newaxis] * residual).ravel() for weights, residual in pairs]
+
     @property
     def freedom(self) -> int:
-        """Number of measured coordinates less the number of unknowns."""
+        """Number of measured coordinates less the number of unknowns, as if there were no penalty."""
         counted = sum(int(np.count_nonzero(weights)) for weights in self._weights)
-        return 2 * counted - len(self._lens.parameters) - 6 * len(self._observations)
+        return 2 * counted - self._lens.size - 6 * len(self._observations)
 
     def covariance(self, estimate: Estimate) -> Floats:
         """Return the covariance of all unknowns at the minimum, in the order of `Estimate.moved`.
@@ -137,10 +160,20 @@ class Bundle:
         CameraError
             If the views leave some combination of the unknowns free.
         """
-        equations, cost = self._normal_equations(estimate)
-        if self.freedom <= 0 or not equations.condition < _LARGEST_CONDITION:
+        equations = self._normal_equations(estimate)
+        freedom, cost = float(self.freedom), equations.cost
+        if self._lens.penalty is not None:
+            freedom += equations.stiffened(self._lens.penalty)
+            cost -= float(estimate.intrinsics @ self._lens.penalty @ estimate.intrinsics)
+        if freedom <= 0 or not equations.condition < _LARGEST_CONDITION:
             raise CameraError("The views do not determine the parameters of the camera.")
-        return equations.inverse() * (cost / self.freedom)
+        return equations.inverse() * (cost / freedom)
+
+    def eliminated(self, estimate: Estimate, view: int) -> tuple[Floats, Floats, float]:
+        """Return what a view says of the intrinsic parameters, its pose free: matrix, right-hand side and cost."""
+        equations = NormalEquations(self._lens.size)
+        equations.add(*self._rows(estimate, view))
+        return equations.eliminated()
 
     def _cost(self, estimate: Estimate) -> float:
         costs = [
@@ -148,6 +181,8 @@ class Bundle:
             for weights, residual in zip(self._weights, self.residuals(estimate), strict=True)
         ]
         total = sum(costs)
+        if self._lens.penalty is not None:
+            total += float(estimate.intrinsics @ self._lens.penalty @ estimate.intrinsics)
         return total if np.isfinite(total) and self._in_front(estimate) else np.inf
 
     def _in_front(self, estimate: Estimate) -> bool:
@@ -156,33 +191,24 @@ class Bundle:
             ((each.points @ rotation.T + translation)[:, 2] > 0.0).all() for each, rotation, translation in posed
         )
 
-    def _normal_equations(self, estimate: Estimate) -> tuple[NormalEquations, float]:
-        size, count = len(self._lens.parameters), len(self._observations)
-        products = np.empty((count, size + 6, size + 6))
-        gradients = np.empty((count, size + 6))
-        cost = 0.0
-        for view, weights in enumerate(self._weights):
-            residual, jacobian = self._linearised(estimate, view)
-            rows = (np.sqrt(weights)[:, np.newaxis, np.newaxis] * jacobian).reshape(-1, size + 6)
-            values = (np.sqrt(weights)[:, np.newaxis] * residual).ravel()
-            products[view], gradients[view] = rows.T @ rows, rows.T @ values
-            cost += float(values @ values)
-        return NormalEquations(products, gradients, size), cost
+    def _normal_equations(self, estimate: Estimate) -> NormalEquations:
+        equations = NormalEquations(self._lens.size, self._lens.penalty, estimate.intrinsics)
+        for view in range(len(self._observations)):
+            equations.add(*self._rows(estimate, view))
+        return equations
 
-    def _linearised(self, estimate: Estimate, view: int, *, derivatives: bool = True) -> tuple[Floats, Floats]:
+    def _rows(self, estimate: Estimate, view: int) -> tuple[Floats, Floats]:
+        """Return the weighted derivatives (2 n, p + 6) of the projections in a view, and the residuals (2 n,)."""
+        residual, jacobian = self._linearised(estimate, view)
+        weights = np.sqrt(self._weights[view])
+        rows = (weights[:, np.newaxis, np.newaxis] * jacobian).reshape(2 * len(weights), -1)
+        return rows, (weights[:, np.newaxis] * residual).ravel()
+
+    def _linearised(self, estimate: Estimate, view: int) -> tuple[Floats, Floats]:
         """Return the residuals (n, 2) of a view and the derivatives (n, 2, p + 6) of its projections."""
-        import cv2
-
         seen = self._observations[view]
-        matrix, distortion = self._lens.split(estimate.intrinsics)
         turned = seen.points @ estimate.rotations[view].T
-        rest = np.zeros(3)
-        pixels, slopes = cv2.projectPoints(turned + estimate.translations[view], rest, rest, matrix, distortion)
-        residual = seen.pixels - pixels.reshape(-1, 2)
-        if not derivatives:
-            return residual, np.empty(0)
-        slopes = slopes.reshape(len(turned), 2, -1)
-        of_position = slopes[:, :, 3:6]
+        positions = turned + estimate.translations[view]
+        pixels, of_values, of_position = self._lens.linearised(estimate.intrinsics, positions)
         of_rotation = np.cross(turned[:, np.newaxis, :], of_position)
-        chosen = [6, 7, 8, 9, *(10 + COEFFICIENTS[name] for name in self._lens.coefficients)]
-        return residual, np.concatenate([slopes[:, :, chosen], of_rotation, of_position], axis=2)
+        return seen.pixels - pixels, np.concatenate([of_values, of_rotation, of_position], axis=2)

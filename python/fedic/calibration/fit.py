@@ -38,6 +38,8 @@ class Fit:
 
     Attributes
     ----------
+    lens : Lens
+        What was fitted.
     estimate : Estimate
         Of all the views; the poses of those rejected are the best for the camera that the others gave.
     covariance : ndarray, shape (p + 6 n, p + 6 n)
@@ -55,6 +57,7 @@ class Fit:
         Seen minus projected, for each view.
     """
 
+    lens: Lens
     estimate: Estimate
     covariance: Floats
     accepted: list[int]
@@ -65,7 +68,9 @@ class Fit:
     residuals: list[Floats]
 
 
-def fit(lens: Lens, observations: list[Observation], image_size: tuple[int, int]) -> Fit:
+def fit(
+    lens: Lens, observations: list[Observation], image_size: tuple[int, int], estimate: Estimate | None = None
+) -> Fit:
     """Fit a camera.
 
     Parameters
@@ -76,6 +81,8 @@ def fit(lens: Lens, observations: list[Observation], image_size: tuple[int, int]
         One per view.
     image_size : (int, int)
         Width and height in pixels.
+    estimate : Estimate, optional
+        Where to start; if not given, at `fedic.calibration.start.start`.
 
     Returns
     -------
@@ -88,7 +95,7 @@ def fit(lens: Lens, observations: list[Observation], image_size: tuple[int, int]
         If fewer than two views remain, they do not determine the parameters, or the fit does not converge.
     """
     _check_count(len(observations), "seen", {})
-    estimate = start(lens, observations, image_size)
+    estimate = estimate or start(lens, observations, image_size)
     every = Bundle(lens, observations)
     initial_errors = _rms(every.residuals(estimate))
     estimate, _ = every.minimise(estimate, _MAX_ITERATIONS)
@@ -120,7 +127,7 @@ def fit(lens: Lens, observations: list[Observation], image_size: tuple[int, int]
         for view, (residual, mask) in enumerate(zip(residuals, used, strict=True))
     ]
     covariance = bundle.covariance(estimate.of(accepted))
-    return Fit(estimate, covariance, accepted, reasons, used, initial_errors, _rms(final), residuals)
+    return Fit(lens, estimate, covariance, accepted, reasons, used, initial_errors, _rms(final), residuals)
 
 
 def _refitted(

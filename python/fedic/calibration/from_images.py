@@ -10,7 +10,7 @@ from fedic._types import Image, StrPath
 from fedic.calibration.bundle import Observation
 from fedic.calibration.detection import NotFoundError, find_target
 from fedic.calibration.from_points import assembled, explained_fit
-from fedic.calibration.lens import parse_lens, pinhole
+from fedic.calibration.lens import BROWN, BrownLens, parse_lens
 from fedic.calibration.refinement import refined
 from fedic.calibration.result import Calibration
 from fedic.calibration.target import Target, parse_target
@@ -45,7 +45,8 @@ def calibrate(
         Such as ``"chessboard:11x7:8"``, see `fedic.calibration.parse_target`; its unit of length becomes the world's.
     distortion : str or sequence of str
         The lens model: ``"none"``, ``"radial1"``, ``"radial2"``, ``"radial3"``, ``"decentering"``, ``"prism"``,
-        ``"brown"`` (radial3 and decentering), or several such as ``"radial1+prism"``.
+        ``"brown"`` (radial3 and decentering), or several such as ``"radial1+prism"``; or, of any shape, ``"spline"``
+        (`fedic.SplineDistortion`) and ``"inverse-spline"`` (`fedic.InverseSplineDistortion`).
     view : int or str, optional
         Whose pose the camera takes: index or name of an image; the first accepted if not given.
     progress : callable, optional
@@ -72,14 +73,14 @@ def calibrate(
     if len(found) < 2:
         raise CameraError(_too_few(plan, names, faults))
     seen = [observations[index] for index in found]
-    first = explained_fit(lens, seen, image_size)
+    first = explained_fit(lens if isinstance(lens, BrownLens) else BROWN, seen, image_size)
     for place, index in enumerate(found):
         pose = first.estimate.rotations[place], first.estimate.translations[place]
-        camera = pinhole(lens, first.estimate.intrinsics, *pose)
+        camera = first.lens.camera(first.estimate.intrinsics, *pose)
         seen[place] = refined(_load(sources[index], names[index]), plan, seen[place], camera)
         tell(0.5 + 0.5 * (place + 1) / len(found))
     final = explained_fit(lens, seen, image_size)
-    return assembled(lens, seen, found, names, faults, final, image_size, view)
+    return assembled(seen, found, names, faults, final, image_size, view)
 
 
 def _sources(images: str | Sequence[Source]) -> list[Source]:

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 from fedic.calibration.advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
 from fedic.calibration.bundle import Observation
 from fedic.calibration.fit import Fit, fit
-from fedic.calibration.lens import Lens, parse_lens, pinhole
+from fedic.calibration.lens import BROWN, BrownLens, parse_lens
 from fedic.calibration.result import Calibration, View
+from fedic.calibration.spline_fit import fit_spline
 from fedic.calibration.start import start
 from fedic.errors import CameraError
 
@@ -57,7 +58,7 @@ def calibrate_points(
     seen = [_observation(index, *pair) for index, pair in pairs]
     names = [f"image {index}" for index in range(len(seen))]
     found = list(range(len(seen)))
-    return assembled(lens, seen, found, names, {}, explained_fit(lens, seen, image_size), image_size, view)
+    return assembled(seen, found, names, {}, explained_fit(lens, seen, image_size), image_size, view)
 
 
 def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observation:
@@ -74,13 +75,13 @@ def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observatio
     return Observation(where, at)
 
 
-def explained_fit(lens: Lens, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
+def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
     """Fit a camera; where that fails, say what the directions of the views have to do with it.
 
     Parameters
     ----------
-    lens : Lens
-        The model.
+    lens : BrownLens or str
+        The model, or the word of a non-parametric one.
     seen : list of Observation
         One per view.
     image_size : (int, int)
@@ -97,25 +98,24 @@ def explained_fit(lens: Lens, seen: list[Observation], image_size: tuple[int, in
         If the views do not determine the camera, or the fit does not converge.
     """
     try:
-        found = fit(lens, seen, image_size)
+        found = fit_spline(lens, seen, image_size) if isinstance(lens, str) else fit(lens, seen, image_size)
         values, deviations = found.estimate.intrinsics[:2], np.sqrt(np.diag(found.covariance)[:2])
         if np.any(deviations > _POOREST_FOCAL * values):
             raise CameraError(f"The views leave the focal length open: {values[0]:.4g} ± {deviations[0]:.2g} px.")
     except CameraError as fault:
-        raise CameraError(" ".join([str(fault), *_causes(lens, seen, image_size)])) from None
+        raise CameraError(" ".join([str(fault), *_causes(seen, image_size)])) from None
     return found
 
 
-def _causes(lens: Lens, seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
+def _causes(seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
     """Say what the directions of the views, as they are thought to be before the fit, have to do with its failure."""
     try:
-        return tilt_advice(start(lens, seen, image_size).rotations) if len(seen) > 1 else []
+        return tilt_advice(start(BROWN, seen, image_size).rotations) if len(seen) > 1 else []
     except CameraError:
         return []
 
 
 def assembled(
-    lens: Lens,
     seen: list[Observation],
     found: list[int],
     names: list[str],
@@ -128,8 +128,6 @@ def assembled(
 
     Parameters
     ----------
-    lens : Lens
-        The model.
     seen : list of Observation
         What was found, in the views `found`.
     found : list of int
@@ -163,9 +161,10 @@ def assembled(
         for index, name in enumerate(names)
     )
     chosen = _chosen(views, wanted)
-    size = len(lens.parameters)
-    parameters = dict(zip(lens.parameters, map(float, final.estimate.intrinsics), strict=True))
-    deviations = dict(zip(lens.parameters, map(float, np.sqrt(np.diag(final.covariance)[:size])), strict=True))
+    lens = final.lens
+    named = len(lens.parameters)
+    parameters = dict(zip(lens.parameters, map(float, final.estimate.intrinsics[:named]), strict=True))
+    deviations = dict(zip(lens.parameters, map(float, np.sqrt(np.diag(final.covariance)[:named])), strict=True))
     counted = np.concatenate([view.residuals[view.used] for view in views if view.accepted])
     error = float(np.sqrt((counted**2).sum(axis=1).mean()))
     advice = [
@@ -175,7 +174,7 @@ def assembled(
         *parameter_advice(parameters, deviations, image_size),
         *correlation_advice(lens.parameters, final.covariance),
     ]
-    camera = pinhole(lens, final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
+    camera = lens.camera(final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
     return Calibration(
         camera, chosen, error, views, parameters, deviations, final.covariance, image_size, advice, lens.name
     )

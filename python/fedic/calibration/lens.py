@@ -1,8 +1,9 @@
-"""The words that name a lens model, and the parameters each leaves free."""
+"""The words that name a lens model, and the model of few coefficients."""
 
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -10,10 +11,13 @@ from fedic._core import BrownDistortion, Pinhole
 from fedic._types import Floats
 from fedic.errors import CameraError
 
-__all__ = ["COEFFICIENTS", "Lens", "parse_lens", "pinhole"]
+__all__ = ["BROWN", "SPLINES", "BrownLens", "Lens", "parse_lens"]
 
-COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
+_COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
 """The place of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
+
+SPLINES = ("spline", "inverse-spline")
+"""The words of non-parametric models, which take their shape from the points: `fedic.calibration.spline_lens`."""
 
 _WORDS = {
     "none": (),
@@ -26,9 +30,60 @@ _WORDS = {
 }
 
 
+class Lens(Protocol):
+    """A model of the camera without its pose, to be fitted.
+
+    Its unknowns start with fx, fy, cx and cy.
+    """
+
+    @property
+    def name(self) -> str:
+        """Its words, joined by ``+``."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the unknowns that have one, in their order; those without follow."""
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+
+    @property
+    def tolerance(self) -> float:
+        """The minimum is found where a correction, all unknowns together, is below this many standard deviations."""
+
+    @property
+    def first_damping(self) -> float:
+        """Damping of the first step, see `fedic.calibration.normal_equations`: small where the start is near."""
+
+    @property
+    def penalty(self) -> Floats | None:
+        """Matrix (size, size) of a quadratic form of the unknowns that is added to the squared distances."""
+
+    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
+        """Project points of the camera frame.
+
+        Parameters
+        ----------
+        values : ndarray, shape (size,)
+            Of the unknowns.
+        positions : ndarray, shape (n, 3)
+            Points in the camera frame.
+
+        Returns
+        -------
+        pixels : ndarray, shape (n, 2)
+        by_values : ndarray, shape (n, 2, size)
+        by_positions : ndarray, shape (n, 2, 3)
+        """
+
+    def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
+        """Make the camera of some values of the unknowns and a pose: rotation (3, 3) and translation (3,)."""
+
+
 @dataclass(frozen=True)
-class Lens:
-    """A lens model: which coefficients of `fedic.BrownDistortion` are free, the others being zero.
+class BrownLens:
+    """A model of few coefficients: those of `fedic.BrownDistortion` that are free, the others being zero.
 
     Attributes
     ----------
@@ -43,73 +98,95 @@ class Lens:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of all the free intrinsic parameters."""
+        """Names of all the unknowns."""
         return ("fx", "fy", "cx", "cy", *self.coefficients)
 
-    def split(self, values: Floats) -> tuple[Floats, Floats]:
-        """Return the camera matrix and the twelve distortion coefficients of OpenCV for values of `parameters`."""
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.parameters)
+
+    @property
+    def tolerance(self) -> float:
+        """See `Lens.tolerance`."""
+        return 1e-5
+
+    @property
+    def first_damping(self) -> float:
+        """See `Lens.first_damping`."""
+        return 1e-3
+
+    @property
+    def penalty(self) -> None:
+        """None: the coefficients are free."""
+        return
+
+    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
+        """Project points of the camera frame, see `Lens.linearised`."""
+        import cv2
+
+        projected = cv2.projectPoints(positions, np.zeros(3), np.zeros(3), *self._matrices(values))
+        pixels, slopes = (np.asarray(part, dtype=np.float64) for part in projected)
+        slopes = slopes.reshape(len(positions), 2, -1)
+        chosen = [6, 7, 8, 9, *(10 + _COEFFICIENTS[name] for name in self.coefficients)]
+        return pixels.reshape(-1, 2), slopes[:, :, chosen], slopes[:, :, 3:6]
+
+    def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
+        """Make the camera of some values of the unknowns and a pose."""
+        by_name = dict(zip(self.parameters, (float(value) for value in values), strict=True))
+        k1, k2, k3, d1, d2, p1, p2 = (by_name.get(name, 0.0) for name in ("k1", "k2", "k3", "d1", "d2", "p1", "p2"))
+        tx, ty, tz = (float(value) for value in translation)
+        return Pinhole(
+            (by_name["fx"], by_name["fy"]),
+            (by_name["cx"], by_name["cy"]),
+            rotation=rotation,
+            translation=(tx, ty, tz),
+            distortion=BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2)) if self.coefficients else None,
+        )
+
+    def _matrices(self, values: Floats) -> tuple[Floats, Floats]:
+        """Return the camera matrix and the twelve distortion coefficients of OpenCV."""
         fx, fy, cx, cy = values[:4]
         distortion = np.zeros(12)
-        distortion[[COEFFICIENTS[name] for name in self.coefficients]] = values[4:]
+        distortion[[_COEFFICIENTS[name] for name in self.coefficients]] = values[4:]
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), distortion
 
 
-def parse_lens(distortion: str | Sequence[str]) -> Lens:
+BROWN = BrownLens("brown", _WORDS["brown"])
+"""The richest of the usual models."""
+
+
+def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
     """Read the name of a lens model.
 
     Parameters
     ----------
     distortion : str or sequence of str
-        Any of ``"none"``, ``"radial1"`` (k1), ``"radial2"`` (k1, k2), ``"radial3"`` (k1 to k3), ``"decentering"``,
-        ``"prism"`` and ``"brown"`` (radial3 and decentering), joined by ``+`` or in a sequence.
+        ``"spline"`` or ``"inverse-spline"``; or any of ``"none"``, ``"radial1"`` (k1), ``"radial2"`` (k1, k2),
+        ``"radial3"`` (k1 to k3), ``"decentering"``, ``"prism"`` and ``"brown"`` (radial3 and decentering), joined by
+        ``+`` or in a sequence.
 
     Returns
     -------
-    Lens
-        The model.
+    BrownLens or str
+        The model, or the word of a non-parametric one.
 
     Raises
     ------
     CameraError
-        If a word is unknown.
+        If a word is unknown, or a spline is joined with another model, which it holds already.
     """
     words = distortion.split("+") if isinstance(distortion, str) else list(distortion)
     words = [re.sub(r"\s", "", word) for word in words]
-    unknown = [word for word in words if word not in _WORDS]
+    unknown = [word for word in words if word not in (*_WORDS, *SPLINES)]
     if unknown or not words:
         given = unknown[0] if unknown else ""
-        raise CameraError(f"distortion: {given!r} is unknown; give {', '.join(_WORDS)}, or several joined by '+'.")
+        known = ", ".join((*_WORDS, *SPLINES))
+        raise CameraError(f"distortion: {given!r} is unknown; give {known}, or several but the splines joined by '+'.")
+    if len(words) > 1 and any(word in SPLINES for word in words):
+        raise CameraError(f"distortion: {'+'.join(words)!r}: a spline takes any shape, leave out the other models.")
+    if words[0] in SPLINES:
+        return words[0]
     free = {name for word in words for name in _WORDS[word]}
     order = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
-    return Lens("+".join(words), tuple(name for name in order if name in free))
-
-
-def pinhole(lens: Lens, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
-    """Make the camera of some values of the parameters.
-
-    Parameters
-    ----------
-    lens : Lens
-        The model.
-    values : ndarray, shape (p,)
-        Of `Lens.parameters`.
-    rotation : ndarray, shape (3, 3)
-        From the world to the camera.
-    translation : ndarray, shape (3,)
-        In the world's unit.
-
-    Returns
-    -------
-    Pinhole
-        The camera.
-    """
-    by_name = dict(zip(lens.parameters, (float(value) for value in values), strict=True))
-    k1, k2, k3, d1, d2, p1, p2 = (by_name.get(name, 0.0) for name in ("k1", "k2", "k3", "d1", "d2", "p1", "p2"))
-    tx, ty, tz = (float(value) for value in translation)
-    return Pinhole(
-        (by_name["fx"], by_name["fy"]),
-        (by_name["cx"], by_name["cy"]),
-        rotation=rotation,
-        translation=(tx, ty, tz),
-        distortion=BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2)) if lens.coefficients else None,
-    )
+    return BrownLens("+".join(words), tuple(name for name in order if name in free))

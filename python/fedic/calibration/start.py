@@ -54,7 +54,7 @@ def start(lens: Lens, observations: list[Observation], image_size: tuple[int, in
     if not _FOCAL_RANGE[0] * side <= focal <= _FOCAL_RANGE[1] * side:
         focal = float(np.sqrt(_FOCAL_RANGE[0] * _FOCAL_RANGE[1])) * side
     width, height = image_size
-    intrinsics = np.zeros(len(lens.parameters))
+    intrinsics = np.zeros(lens.size)
     intrinsics[:4] = focal, focal, (width - 1) / 2, (height - 1) / 2
     poses = [pose_of(each, lens, intrinsics) for each in observations]
     return Estimate(intrinsics, np.array([pose[0] for pose in poses]), np.array([pose[1] for pose in poses]))
@@ -72,23 +72,24 @@ def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, 
     """
     import cv2
 
-    matrix, distortion = lens.split(intrinsics)
+    fx, fy, cx, cy = intrinsics[:4]
+    matrix, pixels = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), seen.pixels
+    curvature = lens.camera(intrinsics, np.eye(3), np.zeros(3)).distortion
+    if curvature is not None:
+        pixels = curvature.undistort((pixels - (cx, cy)) / (fx, fy)) * (fx, fy) + (cx, cy)
+    known = np.isfinite(pixels).all(axis=1)
+    points, pixels = seen.points[known], pixels[known]
     try:
-        count, vectors, translations, _ = cv2.solvePnPGeneric(
-            seen.points, seen.pixels, matrix, distortion, flags=cv2.SOLVEPNP_IPPE
-        )
+        count, vectors, translations, _ = cv2.solvePnPGeneric(points, pixels, matrix, None, flags=cv2.SOLVEPNP_IPPE)
         refined = [
-            cv2.solvePnPRefineLM(seen.points, seen.pixels, matrix, distortion, vector, translation)
+            cv2.solvePnPRefineLM(points, pixels, matrix, None, vector, translation)
             for vector, translation in zip(vectors, translations, strict=True)
         ]
     except cv2.error:
         count = 0
     if not count:
         raise CameraError("No pose explains the points of this view.")
-    costs = [
-        float(((cv2.projectPoints(seen.points, *pose, matrix, distortion)[0][:, 0] - seen.pixels) ** 2).sum())
-        for pose in refined
-    ]
+    costs = [float(((cv2.projectPoints(points, *pose, matrix, None)[0][:, 0] - pixels) ** 2).sum()) for pose in refined]
     if not np.isfinite(costs).any():
         raise CameraError("No pose explains the points of this view.")
     vector, translation = refined[int(np.nanargmin(costs))]

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Pinhole
-from fedic._types import Camera
+from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Pinhole, SplineDistortion
+from fedic._types import Camera, Distortion
 from fedic.errors import CameraError, ConfigError
 from fedic.files import replacing
 
@@ -34,7 +34,7 @@ def write_toml(camera: Camera, path: Path, notes: Mapping[str, object]) -> None:
     text = _HEADER.format(name=path.name) + _lines(_content(path, camera))
     lens = camera.distortion if isinstance(camera, Pinhole) else None
     if lens is not None:
-        text += "\n[distortion]\n" + _lines(_lens(path, lens))
+        text += "\n[distortion]\n" + _lines(_lens(lens))
     if notes:
         text += "\n# How well it is known, in pixels and radians; read by nothing.\n[calibration]\n" + _lines(notes)
     with replacing(path) as temporary:
@@ -58,10 +58,14 @@ def _content(path: Path, camera: Camera) -> dict[str, object]:
     raise CameraError(f"{path}: a {type(camera).__name__} is no camera fedic can write.")
 
 
-def _lens(path: Path, lens: object) -> dict[str, object]:
+def _lens(lens: Distortion) -> dict[str, object]:
     if isinstance(lens, BrownDistortion):
         return {"radial": list(lens.radial), "decentering": list(lens.decentering), "prism": list(lens.prism)}
-    raise CameraError(f"{path}: a {type(lens).__name__} is no lens fedic can write.")
+    return {
+        "model": "spline" if isinstance(lens, SplineDistortion) else "inverse-spline",
+        "domain": list(lens.domain),
+        "coefficients": lens.coefficients.tolist(),
+    }
 
 
 def _lines(content: Mapping[str, object]) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fedic._core import Mesh, Pinhole, rectangle_mesh
+from fedic._core import BrownDistortion, Mesh, Pinhole, rectangle_mesh
 from fedic._types import Floats, Image
 from fedic.correlation import correlate
 from fedic.experiments.lens import HEIGHT, MILLIMETRES, PRINCIPAL_POINT, RADIAL, WIDTH, Pair, Scene
@@ -89,7 +89,8 @@ def _row(
     pixels = rectangle_mesh((0.0, 0.0, WIDTH - 1.0, HEIGHT - 1.0), CELLS)
     mesh = Mesh(start.unproject(pixels.points)[:, :2], pixels.cells)
     found = calibrate_on_specimen(images[0], images[1:], mesh, start, PARAMETERS)
-    values = (found.camera.distortion.radial[0] if found.camera.distortion else 0.0, *found.camera.principal_point)
+    lens = found.camera.distortion
+    values = (lens.radial[0] if isinstance(lens, BrownDistortion) else 0.0, *found.camera.principal_point)
     errors = dict(zip(PARAMETERS, np.array(values) - (RADIAL[0], *PRINCIPAL_POINT), strict=True))
     deviations = found.standard_deviations
     nodal = _errors(scene, found.camera, pair, window)

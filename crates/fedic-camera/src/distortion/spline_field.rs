@@ -173,18 +173,20 @@ impl SplineField {
         (sum, [[by_x[0], by_y[0]], [by_x[1], by_y[1]]])
     }
 
-    /// What each coefficient counts for at a point: the products of the basis functions, added to `row` in the order of the
-    /// coefficients.
+    /// What each coefficient counts for at a point, in the value and in its slopes along `x` and `y`: the products of the basis
+    /// functions, added to three rows in the order of the coefficients.
     ///
     /// # Panics
     ///
-    /// If `row` does not have one entry per coefficient.
-    pub fn add_basis(&self, [x, y]: [f64; 2], row: &mut [f64]) {
+    /// If a row does not have one entry per coefficient.
+    pub fn add_basis(&self, [x, y]: [f64; 2], [value, by_x, by_y]: [&mut [f64]; 3]) {
         let (along, across) = (self.basis(0, x), self.basis(1, y));
-        let width = self.intervals[0] + 3;
-        for (j, wy) in across.values.into_iter().enumerate() {
-            for (i, wx) in along.values.into_iter().enumerate() {
-                row[(across.first + j) * width + along.first + i] += wx * wy;
+        for j in 0..4 {
+            let start = (across.first + j) * (self.intervals[0] + 3) + along.first;
+            for i in 0..4 {
+                value[start + i] += along.values[i] * across.values[j];
+                by_x[start + i] += along.slopes[i] * across.values[j];
+                by_y[start + i] += along.values[i] * across.slopes[j];
             }
         }
     }
