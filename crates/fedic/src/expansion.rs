@@ -22,8 +22,10 @@ const X4: usize = 10;
 const Y4: usize = 14;
 /// Coefficients that add up to less than this, in pixels, are left out.
 const NEGLIGIBLE: f64 = 5e-7;
-/// Largest difference from the camera's Jacobian, relative: it only weighs residuals.
+/// Largest difference from the camera's Jacobian, relative: it only weighs residuals. For a camera of poor precision, this many
+/// times the precision.
 const JACOBIAN_TOLERANCE: f64 = 1e-4;
+const JACOBIAN_PER_PRECISION: f64 = 10.0;
 
 /// Singular values below this count as zero.
 const RANK: f64 = 1e-10;
@@ -250,6 +252,7 @@ impl Fit {
     ) -> bool {
         let (seen, true_jacobian) = camera.project_with_jacobian(interpolate(&self.check_shape, nodes));
         let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
+        let jacobian_tolerance = size * JACOBIAN_TOLERANCE.max(JACOBIAN_PER_PRECISION * camera.precision());
         (0..2).all(|c| {
             let monomials = coefficients[c][1..].iter().zip(&self.check_monomials);
             let expanded = origin[c] + coefficients[c][0] + monomials.map(|(c, m)| c * m).sum::<f64>();
@@ -257,7 +260,7 @@ impl Fit {
         }) && (0..4).all(|entry| {
             let [constant, xi, eta] = jacobian[entry];
             let expanded = constant + xi * self.check_monomials[0] + eta * self.check_monomials[1];
-            (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= JACOBIAN_TOLERANCE * size
+            (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= jacobian_tolerance
         })
     }
 }
@@ -289,7 +292,10 @@ fn worth_adding(coefficients: &[[f64; MONOMIALS + 1]; 2]) -> usize {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use fedic_camera::{BrownDistortion, Pinhole, rotation_from_vector};
+    use fedic_camera::{
+        BrownDistortion, Distortion, InverseSplineDistortion, Pinhole, SplineDistortion, SplineField,
+        rotation_from_vector,
+    };
     use fedic_mesh::map;
 
     use super::*;
@@ -361,6 +367,51 @@ mod tests {
         }
         // Large cells behind the stronger lens are left to the camera.
         assert!((20..30).contains(&expanded), "{expanded}");
+    }
+
+    /// Waves of half a pixel, 350 px long, as 16 intervals over 1400 px follow them.
+    fn wavy(inverse: bool) -> Pinhole {
+        let wave = std::f64::consts::TAU * 8381.0 / 350.0;
+        let displacement = |[x, y]: [f64; 2]| {
+            let [u, v] = [wave * x + 0.3, 0.8 * wave * y];
+            Some([u.sin() * v.cos(), u.cos() * v.sin()].map(|c| 0.5 / 8381.0 * c))
+        };
+        let field =
+            SplineField::approximating([-0.084, -0.063, 0.084, 0.063], [16, 12], displacement).unwrap().unwrap();
+        let lens: Distortion = match inverse {
+            true => InverseSplineDistortion::new(field).into(),
+            false => SplineDistortion::new(field).into(),
+        };
+        tilted(8381.0, 0.0).with_distortion(lens)
+    }
+
+    #[test]
+    fn expansions_follow_a_lens_of_any_shape() {
+        for camera in [wavy(false), wavy(true)] {
+            for (cell, half) in
+                [(CellType::Quad, 5.0), (CellType::Quad, 10.0), (CellType::Quad8, 10.0), (CellType::Triangle6, 10.0)]
+            {
+                let (mut expanded, mut cells, mut worst) = (0, 0, [0.0_f64; 2]);
+                for row in -6..6 {
+                    for column in -10..10 {
+                        let mut nodes = warped(cell, half, &camera);
+                        for node in &mut nodes {
+                            let [x, y, z] = node.place;
+                            node.place = [x - 300.0 + 57.0 * f64::from(column), y + 200.0 + 53.0 * f64::from(row), z];
+                            (node.pixel, node.jacobian) = camera.project_with_jacobian(node.place);
+                        }
+                        cells += 1;
+                        if let Some(expansion) = Expansion::new(cell, &nodes, &camera) {
+                            expanded += 1;
+                            let found = differences(cell, &nodes, &camera, &expansion);
+                            worst = [worst[0].max(found[0]), worst[1].max(found[1])];
+                        }
+                    }
+                }
+                assert_eq!(expanded, cells, "{cell}, {half}");
+                assert!(worst[0] < 2e-4 && worst[1] < 4e-4, "{cell}, {half}: {worst:?}");
+            }
+        }
     }
 
     #[test]
