@@ -1,0 +1,195 @@
+"""The pose that brings points and edges to where they are seen, by weighted least squares.
+
+Point pairs alone are a problem of Levenberg and Marquardt. Edges are measured again after each step, first far and wide,
+then closely, with Tukey's weights on the distances. The noise of each feature and of the points comes from what is left.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._types import Floats, Image
+from fedic.errors import CameraError, SolveError
+from fedic.registration.edges import Edge, Strip, measure_edge
+from fedic.registration.pairs import Pairs, Place, pair_rows
+from fedic.registration.pose import Placeable, move, similarity_parameters
+
+__all__ = ["Estimate", "Group", "Problem", "fit_edges", "fit_pairs", "for_all_unknowns", "pair_group"]
+
+_STAGES = ((24.0, 16.0, 6, 0.2), (12.0, 16.0, 8, 0.05), (3.0, 8.0, 40, 1e-3))
+"""Reach and band in pixels, most iterations, and the motion in pixels below which the stage is over."""
+_CAUCHY, _TUKEY = 2.4, 4.7
+_SMALLEST_NOISE = 0.01
+_REWEIGHTINGS = 8
+_MEDIAN_OF_NORMAL = 0.6745
+_PAIR_ITERATIONS = 200
+_EXACT = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Values of the unknowns: a camera and, where a target's place is unknown, that place."""
+
+    camera: Placeable
+    place: Place | None = None
+
+    def moved(self, names: tuple[str, ...], step: Floats) -> "Estimate":
+        """Return the estimate moved by a step: the parameters `names`, then those of the place."""
+        place = None if self.place is None else self.place.moved(step[len(names) :])
+        return Estimate(move(self.camera, names, step[: len(names)]), place)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is known.
+
+    Attributes
+    ----------
+    image : ndarray, shape (height, width)
+        The image.
+    names : tuple of str
+        The free parameters.
+    strips : sequence of Strip
+        Features whose edges count.
+    pairs : Pairs, optional
+        Points that count.
+    pixel_noise : float, optional
+        Standard deviation of a coordinate of the pairs' pixels; from what is left if not given.
+    """
+
+    image: Image
+    names: tuple[str, ...]
+    strips: Sequence[Strip] = ()
+    pairs: Pairs | None = None
+    pixel_noise: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Rows that share a noise: the edge pieces of a feature, or the coordinates of the points.
+
+    Attributes
+    ----------
+    residuals : ndarray, shape (n,)
+        Seen minus projected, in pixels.
+    jacobian : ndarray, shape (n, p)
+        Of the projection by the unknowns.
+    used : ndarray of bool, shape (n,)
+        Those that count.
+    noise : float
+        Standard deviation, in pixels, of one of them.
+    edge : Edge, optional
+        Where the rows come from an edge.
+    """
+
+    residuals: Floats
+    jacobian: Floats
+    used: NDArray[np.bool_]
+    noise: float
+    edge: Edge | None = None
+
+
+def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
+    """Minimise the distances of the points.
+
+    Raises
+    ------
+    SolveError
+        If no minimum is found from this start.
+    """
+    assert problem.pairs is not None
+    damping = 1e-3
+    residuals, jacobian = pair_rows(estimate.camera, estimate.place, problem.pairs, problem.names)
+    if not np.isfinite(residuals).all():
+        raise CameraError("camera: from its start it does not see all the points; correct the start.")
+    for _ in range(_PAIR_ITERATIONS):
+        scale = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny)
+        rows = jacobian / scale
+        newton = np.linalg.lstsq(rows, residuals, rcond=1e-12)[0]
+        if float(np.linalg.norm(rows @ newton)) <= _EXACT * max(1.0, float(np.abs(problem.pairs.pixels).max())):
+            return estimate
+        damped = np.concatenate([rows, np.sqrt(damping) * np.eye(len(scale))])
+        step = np.linalg.lstsq(damped, np.append(residuals, np.zeros(len(scale))), rcond=None)[0] / scale
+        try:
+            trial = estimate.moved(problem.names, step)
+            left, slopes = pair_rows(trial.camera, trial.place, problem.pairs, problem.names)
+        except CameraError:  # a scale that is not positive
+            left, slopes = np.full_like(residuals, np.nan), jacobian
+        if np.isfinite(left).all() and float(left @ left) < float(residuals @ residuals):
+            estimate, residuals, jacobian, damping = trial, left, slopes, max(damping / 10.0, 1e-15)
+        elif damping > 1e12:
+            return estimate
+        else:
+            damping *= 10.0
+    raise SolveError("The points do not lead to a pose from this start; give a better start, or check the pairs.")
+
+
+def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Group]]:
+    """Bring the features to their edges; also return the rows at the end, the points' last."""
+    groups: list[Group] = []
+    for index, (reach, band, iterations, enough) in enumerate(_STAGES):
+        cutoff = None if index < len(_STAGES) - 1 else _TUKEY
+        names = similarity_parameters(problem.names) if index == 0 else problem.names
+        stage = replace(problem, names=names or problem.names)
+        for _ in range(iterations):
+            groups = _measured(estimate, stage, reach, band)
+            step, groups = _robust_step(groups, problem.pixel_noise, cutoff)
+            estimate = estimate.moved(stage.names, step)
+            if max(float(np.abs(group.jacobian @ step).max()) for group in groups) <= enough:
+                break
+    groups = _measured(estimate, problem, *_STAGES[-1][:2])
+    return estimate, _robust_step(groups, problem.pixel_noise, _TUKEY)[1]
+
+
+def pair_group(estimate: Estimate, problem: Problem) -> Group:
+    """Return the rows of the points."""
+    assert problem.pairs is not None
+    residuals, jacobian = pair_rows(estimate.camera, estimate.place, problem.pairs, problem.names)
+    return Group(residuals, jacobian, np.ones(len(residuals), dtype=bool), problem.pixel_noise or 1.0)
+
+
+def for_all_unknowns(estimate: Estimate, jacobian: Floats) -> Floats:
+    """Return derivatives by the parameters with those, zero, by the place of a target."""
+    return jacobian if estimate.place is None else np.column_stack([jacobian, np.zeros((len(jacobian), 3))])
+
+
+def _measured(estimate: Estimate, problem: Problem, reach: float, band: float) -> list[Group]:
+    groups = []
+    for strip in problem.strips:
+        edge = measure_edge(problem.image, estimate.camera, strip, problem.names, reach, band)
+        groups.append(Group(edge.distances, for_all_unknowns(estimate, edge.jacobian), edge.valid, 1.0, edge))
+    return groups if problem.pairs is None else [*groups, pair_group(estimate, problem)]
+
+
+def _robust_step(groups: list[Group], pixel_noise: float | None, tukey: float | None) -> tuple[Floats, list[Group]]:
+    """Solve the linear problem with weights that follow from what it leaves; Cauchy's unless Tukey's are wanted."""
+    weights = [group.used.astype(np.float64) for group in groups]
+    noises = [group.noise for group in groups]
+    step = np.zeros(groups[0].jacobian.shape[1])
+    for _ in range(_REWEIGHTINGS):
+        roots = [np.sqrt(weight) / noise for weight, noise in zip(weights, noises, strict=True)]
+        rows = np.concatenate([root[:, None] * group.jacobian for root, group in zip(roots, groups, strict=True)])
+        values = np.concatenate([root * group.residuals for root, group in zip(roots, groups, strict=True)])
+        scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
+        step = np.linalg.lstsq(rows / scale, values, rcond=1e-9)[0] / scale
+        for index, group in enumerate(groups):
+            left = group.residuals - group.jacobian @ step
+            known = pixel_noise if group.edge is None else None
+            noises[index] = known or max(_spread(left[group.used]), _SMALLEST_NOISE)
+            ratio = left / noises[index]
+            if group.edge is None:
+                continue
+            if tukey is None:
+                weights[index] = group.used / (1.0 + (ratio / _CAUCHY) ** 2)
+            else:
+                weights[index] = group.used * np.maximum(1.0 - (ratio / tukey) ** 2, 0.0) ** 2
+    return step, [
+        replace(group, used=weight > 0.0, noise=noise)
+        for group, weight, noise in zip(groups, weights, noises, strict=True)
+    ]
+
+
+def _spread(left: Floats) -> float:
+    return float(np.median(np.abs(left))) / _MEDIAN_OF_NORMAL if len(left) else np.inf
