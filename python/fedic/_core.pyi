@@ -74,9 +74,7 @@ class ImageFrame:
 
 @final
 class FrontParallel:
-    def __new__(
-        cls, scale: float, origin: tuple[float, float] = (0.0, 0.0), angle: float = 0.0
-    ) -> FrontParallel: ...
+    def __new__(cls, scale: float, origin: tuple[float, float] = (0.0, 0.0), angle: float = 0.0) -> FrontParallel: ...
     @property
     def scale(self) -> float: ...
     @property

@@ -1,9 +1,9 @@
 """Where the grey levels of an image change across a projected feature, to a fraction of a pixel.
 
-Grey levels are read along the normals of the feature. One side of an edge is quieter than the other, as a rule the ground
-around a speckled specimen: with B the level of the quiet side, ``|I - B|`` is small there and large on the other, be it
-brighter, darker, or speckled about the same mean. The mean of this contrast over a piece of the edge falls from a level on
-one side to a level on the other, and the area under it says where: as the edge of a step of the same area, whatever the
+Grey levels are read along the normals of the feature. One side of an edge is quieter than the other, as a rule the
+ground around a speckled specimen: with B the level of the quiet side, ``|I - B|`` is small there and large on the
+other, be it brighter, darker, or speckled about the same mean. The mean of this contrast over a piece of the edge falls from a
+level on one side to a level on the other, and the area under it says where: at the step of the same area, whatever the
 blur. The area is a sum over pixels, so that speckles cancel instead of pulling the edge to the nearest of them.
 """
 

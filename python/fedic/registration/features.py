@@ -14,7 +14,7 @@ from fedic.errors import MeshError
 from fedic.registration.boundary import boundary_loops
 from fedic.registration.pieces import Circle, Piece, cut_loop
 
-__all__ = ["BoundaryFeature", "Kind", "boundary_features", "chosen_features"]
+__all__ = ["BoundaryFeature", "Kind", "boundary_features", "chosen_features", "listed_features"]
 
 Kind: TypeAlias = Literal["side", "circle", "arc", "loop"]
 _SIDES = ("right", "top", "left", "bottom")
@@ -55,9 +55,10 @@ def boundary_features(mesh: Mesh) -> list[BoundaryFeature]:
     """List the pieces of a mesh's boundary that `fedic.register` can fit to an image.
 
     Each loop of the boundary is cut at its corners, and where lines pass into arcs. The names of the outer boundary's
-    straight sides are ``left``, ``right``, ``bottom`` and ``top`` as the mesh is drawn with X to the right and Y upwards,
-    numbered where several face the same way; its arcs are ``arc 0``, ``arc 1``, ...; the whole of it is ``outline``.
-    Holes are ``hole 0``, ``hole 1``, ... from left to right; the pieces of one that is no circle ``hole 0 left``, ...
+    straight sides are ``left``, ``right``, ``bottom`` and ``top`` as the mesh is drawn with X to the right and Y
+    upwards, numbered where several face the same way; its arcs are ``arc 0``, ``arc 1``, ...; the whole of it is
+    ``outline``. Holes are ``hole 0``, ``hole 1``, ... from left to right; the pieces of one that is no circle are
+    ``hole 0 left``, ...
 
     Parameters
     ----------
@@ -112,8 +113,7 @@ def chosen_features(mesh: Mesh, wanted: Sequence[str | BoundaryFeature]) -> list
     chosen = []
     for each in wanted:
         if isinstance(each, str) and each not in known:
-            listed = "".join(f"\n  {name}: {feature.description}" for name, feature in known.items())
-            raise MeshError(f"features: the mesh has no boundary piece {each!r}; it has{listed}")
+            raise MeshError(f"features: the mesh has no boundary piece {each!r}; it has{listed_features(mesh)}")
         feature = known[each] if isinstance(each, str) else each
         if feature.nodes.max() >= mesh.num_nodes:
             raise MeshError(f"features: {feature.name!r} has nodes this mesh has not; it is a feature of another mesh.")
@@ -122,6 +122,11 @@ def chosen_features(mesh: Mesh, wanted: Sequence[str | BoundaryFeature]) -> list
     if twice:
         raise MeshError(f"features: {twice[0]!r} is given twice.")
     return chosen
+
+
+def listed_features(mesh: Mesh) -> str:
+    """Return the features of a mesh for a message, one per line."""
+    return "".join(f"\n  {feature.name}: {feature.description}" for feature in boundary_features(mesh))
 
 
 def _named_pieces(pieces: list[Piece], points: Floats, prefix: str, *, inwards: bool) -> list[BoundaryFeature]:

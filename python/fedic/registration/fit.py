@@ -1,7 +1,8 @@
 """The pose that brings points and edges to where they are seen, by weighted least squares.
 
-Point pairs alone are a problem of Levenberg and Marquardt. Edges are measured again after each step, first far and wide,
-then closely, with Tukey's weights on the distances. The noise of each feature and of the points comes from what is left.
+Point pairs alone are a problem of Levenberg and Marquardt. Edges are measured again after each step, first far and
+wide, then closely, with Tukey's weights on the distances. The noise of each feature and of the points comes from what
+is left.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from fedic.registration.edges import Edge, Strip, measure_edge
 from fedic.registration.pairs import Pairs, Place, pair_rows
 from fedic.registration.pose import Placeable, move, similarity_parameters
 
-__all__ = ["Estimate", "Group", "Problem", "fit_edges", "fit_pairs", "for_all_unknowns", "pair_group"]
+__all__ = ["Estimate", "Group", "Problem", "fit_edges", "fit_pairs", "for_all_unknowns", "pair_groups"]
 
 _STAGES = ((24.0, 16.0, 6, 0.2), (12.0, 16.0, 8, 0.05), (3.0, 8.0, 40, 1e-3))
 """Reach and band in pixels, most iterations, and the motion in pixels below which the stage is over."""
@@ -25,7 +26,7 @@ _SMALLEST_NOISE = 0.01
 _REWEIGHTINGS = 8
 _MEDIAN_OF_NORMAL = 0.6745
 _PAIR_ITERATIONS = 200
-_EXACT = 1e-10
+_EXACT_PX = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,7 @@ class Problem:
         The free parameters.
     strips : sequence of Strip
         Features whose edges count.
-    pairs : Pairs, optional
+    pairs : sequence of Pairs
         Points that count.
     pixel_noise : float, optional
         Standard deviation of a coordinate of the pairs' pixels; from what is left if not given.
@@ -62,7 +63,7 @@ class Problem:
     image: Image
     names: tuple[str, ...]
     strips: Sequence[Strip] = ()
-    pairs: Pairs | None = None
+    pairs: Sequence[Pairs] = ()
     pixel_noise: float | None = None
 
 
@@ -99,22 +100,21 @@ def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
     SolveError
         If no minimum is found from this start.
     """
-    assert problem.pairs is not None
     damping = 1e-3
-    residuals, jacobian = pair_rows(estimate.camera, estimate.place, problem.pairs, problem.names)
+    residuals, jacobian = _all_pair_rows(estimate, problem)
     if not np.isfinite(residuals).all():
         raise CameraError("camera: from its start it does not see all the points; correct the start.")
     for _ in range(_PAIR_ITERATIONS):
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny)
         rows = jacobian / scale
         newton = np.linalg.lstsq(rows, residuals, rcond=1e-12)[0]
-        if float(np.linalg.norm(rows @ newton)) <= _EXACT * max(1.0, float(np.abs(problem.pairs.pixels).max())):
+        if float(np.linalg.norm(rows @ newton)) <= _EXACT_PX:
             return estimate
         damped = np.concatenate([rows, np.sqrt(damping) * np.eye(len(scale))])
         step = np.linalg.lstsq(damped, np.append(residuals, np.zeros(len(scale))), rcond=None)[0] / scale
         try:
             trial = estimate.moved(problem.names, step)
-            left, slopes = pair_rows(trial.camera, trial.place, problem.pairs, problem.names)
+            left, slopes = _all_pair_rows(trial, problem)
         except CameraError:  # a scale that is not positive
             left, slopes = np.full_like(residuals, np.nan), jacobian
         if np.isfinite(left).all() and float(left @ left) < float(residuals @ residuals):
@@ -143,11 +143,13 @@ def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Grou
     return estimate, _robust_step(groups, problem.pixel_noise, _TUKEY)[1]
 
 
-def pair_group(estimate: Estimate, problem: Problem) -> Group:
+def pair_groups(estimate: Estimate, problem: Problem) -> list[Group]:
     """Return the rows of the points."""
-    assert problem.pairs is not None
-    residuals, jacobian = pair_rows(estimate.camera, estimate.place, problem.pairs, problem.names)
-    return Group(residuals, jacobian, np.ones(len(residuals), dtype=bool), problem.pixel_noise or 1.0)
+    groups = []
+    for pairs in problem.pairs:
+        residuals, jacobian = pair_rows(estimate.camera, estimate.place, pairs, problem.names)
+        groups.append(Group(residuals, jacobian, np.ones(len(residuals), dtype=bool), problem.pixel_noise or 1.0))
+    return groups
 
 
 def for_all_unknowns(estimate: Estimate, jacobian: Floats) -> Floats:
@@ -160,7 +162,12 @@ def _measured(estimate: Estimate, problem: Problem, reach: float, band: float) -
     for strip in problem.strips:
         edge = measure_edge(problem.image, estimate.camera, strip, problem.names, reach, band)
         groups.append(Group(edge.distances, for_all_unknowns(estimate, edge.jacobian), edge.valid, 1.0, edge))
-    return groups if problem.pairs is None else [*groups, pair_group(estimate, problem)]
+    return [*groups, *pair_groups(estimate, problem)]
+
+
+def _all_pair_rows(estimate: Estimate, problem: Problem) -> tuple[Floats, Floats]:
+    groups = pair_groups(estimate, problem)
+    return np.concatenate([group.residuals for group in groups]), np.concatenate([group.jacobian for group in groups])
 
 
 def _robust_step(groups: list[Group], pixel_noise: float | None, tukey: float | None) -> tuple[Floats, list[Group]]:

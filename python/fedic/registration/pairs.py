@@ -67,8 +67,7 @@ def checked_pairs(points: object) -> Pairs:
     """
     expected = "give points=(points (m, 2) or (m, 3), pixels (m, 2))"
     try:
-        given, seen = points  # type: ignore[misc]
-        where, at = np.asarray(given, dtype=np.float64), np.asarray(seen, dtype=np.float64)
+        where, at = (np.asarray(each, dtype=np.float64) for each in points)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         raise CameraError(f"points: not a pair of arrays of numbers; {expected}.") from None
     if where.ndim == 2 and where.shape[1] == 2:
@@ -122,6 +121,6 @@ def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:
         return []
     found = []
     for vector, translation in zip(vectors[:count], translations[:count], strict=True):
-        turn = np.asarray(cv2.Rodrigues(vector)[0])
+        turn = np.asarray(cv2.Rodrigues(vector)[0], dtype=np.float64)
         found.append(posed(camera, turn, np.asarray(translation, dtype=np.float64).ravel() - turn @ height))
     return found

@@ -38,20 +38,31 @@ def draw_registration(registration: "Registration") -> Figure:
         distances = np.concatenate([each.distances for each in features])
         used = np.concatenate([each.used for each in features])
         reach = max(float(np.percentile(np.abs(distances[used]), _FARTHEST_PERCENT)), 1e-3)
-        marks = {"s": 14, "linewidths": 0.3, "zorder": 3}
         drawn = axes.scatter(
-            *pixels[used].T, c=distances[used], cmap="coolwarm", vmin=-reach, vmax=reach, edgecolors="black", **marks
+            pixels[used, 0],
+            pixels[used, 1],
+            s=14,
+            c=distances[used],
+            cmap="coolwarm",
+            vmin=-reach,
+            vmax=reach,
+            edgecolors="black",
+            linewidths=0.3,
+            zorder=3,
         )
         figure.colorbar(drawn, ax=axes, label="edge from the mesh, positive outwards (px)", extend="both", shrink=0.8)
         left_out = ~used & np.isfinite(pixels).all(axis=1)
         if left_out.any():
-            axes.scatter(*pixels[left_out].T, marker="x", c="red", s=14, linewidths=0.8, zorder=3, label="left out")
+            u, v = pixels[left_out].T
+            axes.scatter(u, v, marker="x", c="red", s=14, linewidths=0.8, zorder=3, label="left out")
     if len(registration.pixels):
         axes.plot(*registration.pixels.T, "+", color="cyan", label="points, seen")
         axes.plot(*(registration.pixels - registration.residuals).T, ".", color="lime", markersize=3, label="projected")
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right", fontsize="small")
-    lines = [f"{each.name}: {each.median:.2f} px median, {each.used.sum()} of {len(each.used)} pieces" for each in features]
+    lines = [
+        f"{each.name}: {each.median:.2f} px median, {each.used.sum()} of {len(each.used)} pieces" for each in features
+    ]
     if len(registration.residuals):
         rms = float(np.sqrt((registration.residuals**2).sum(axis=1).mean()))
         lines.append(f"{len(registration.residuals)} points: {rms:.3f} px rms")

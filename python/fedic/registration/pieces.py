@@ -1,6 +1,7 @@
 """A loop of nodes cut into straight pieces and arcs of circles."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -84,7 +85,7 @@ def cut_loop(segments: NDArray[np.int64], points: Floats, size: float) -> list[P
     segments, turns = np.roll(segments, -first, axis=0), np.roll(turns, -first)
     corners = [0, *(np.flatnonzero(np.abs(turns[1:]) > _CORNER) + 1), len(segments)]
     pieces: list[Piece] = []
-    for start, end in zip(corners[:-1], corners[1:], strict=True):
+    for start, end in pairwise(corners):
         while start < end:
             piece = _longest(segments[start:end], plane, _TOLERANCE * size)
             pieces.append(piece)

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from numpy.typing import NDArray
-
 import numpy as np
+from numpy.typing import NDArray
 
 from fedic._core import Mesh
 from fedic._types import Floats, Image, StrPath
@@ -59,8 +58,8 @@ class Registration:
     camera : FrontParallel or Pinhole
         Projects the mesh to where the specimen is seen.
     free : tuple of str
-        The parameters that were found: of ``u0 v0 angle scale`` or of ``rx ry rz tx ty tz``, the latter a rotation of the
-        mesh about its origin and the camera's axes, from where it is now, and the translation.
+        The parameters that were found: of ``u0 v0 angle scale`` or of ``rx ry rz tx ty tz``, the latter a rotation of
+        the mesh about its origin and the camera's axes, from where it is now, and the translation.
     covariance : ndarray, shape (p, p)
         Of the parameters in the order of `free`, in pixels, radians and the mesh's unit; NaN where as many data as
         unknowns leave it open.

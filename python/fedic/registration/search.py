@@ -7,8 +7,10 @@ turns and changes of scale of the projected features are tried on a grid, then o
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fedic._types import Floats, Image
 from fedic.registration.edges import Strip
@@ -25,13 +27,15 @@ _GRIDS = ((6.0, 1.0), (3.0, 1.0 / 6.0))
 _UNREST_PX = 2.0
 _CHUNK = 2000
 
+Complexes: TypeAlias = NDArray[np.complex128]
+
 
 @dataclass(frozen=True, eq=False)
 class _Outline:
     """Some points of the projected features, as complex numbers about their centre."""
 
-    arms: list[np.ndarray]
-    normals: list[np.ndarray]
+    arms: list[Complexes]
+    normals: list[Complexes]
     centre: complex
 
 
@@ -88,8 +92,8 @@ def _outline(camera: Placeable, strips: Sequence[Strip]) -> _Outline:
 
 
 def _candidates(
-    outline: _Outline, names: tuple[str, ...], step: float, part: float, search: float, about: Floats
-) -> Floats:
+    outline: _Outline, names: tuple[str, ...], step: float, part: float, search: float, about: Complexes
+) -> Complexes:
     """Return similarities ``(t, f)``, complex (n, 2): the point ``a`` about the centre goes to ``t + f a``."""
     arm = float(np.abs(np.concatenate(outline.arms)).max())
     tries = {
@@ -115,12 +119,12 @@ def _channels(image: Image, smoothing: float) -> list[Floats]:
     unrest = np.abs(grey - cv2.GaussianBlur(grey, (0, 0), _UNREST_PX))
     channels = []
     for channel in (grey, unrest):
-        smooth = np.asarray(cv2.GaussianBlur(channel, (0, 0), smoothing))
+        smooth: Floats = np.asarray(cv2.GaussianBlur(channel, (0, 0), smoothing), dtype=np.float64)
         channels.append(smooth / max(float(smooth.std()), 1e-12))
     return channels
 
 
-def _scores(channels: list[Floats], outline: _Outline, candidates: Floats, offset: float) -> Floats:
+def _scores(channels: list[Floats], outline: _Outline, candidates: Complexes, offset: float) -> Floats:
     """Return for each candidate the mean changes across the features, summed without their signs."""
     height, width = channels[0].shape
     shift, factor = candidates[:, :1] + outline.centre, candidates[:, 1:]
@@ -129,7 +133,8 @@ def _scores(channels: list[Floats], outline: _Outline, candidates: Floats, offse
         places = shift + factor * arms
         across = offset * normals * (factor / np.abs(factor))
         inner, outer = (
-            (np.rint(side.imag).astype(int), np.rint(side.real).astype(int)) for side in (places - across, places + across)
+            (np.rint(side.imag).astype(int), np.rint(side.real).astype(int))
+            for side in (places - across, places + across)
         )
         seen = np.ones(places.shape, dtype=bool)
         for rows, columns in (inner, outer):
@@ -143,7 +148,7 @@ def _scores(channels: list[Floats], outline: _Outline, candidates: Floats, offse
 
 
 def _moved(
-    camera: Placeable, strips: Sequence[Strip], names: tuple[str, ...], centre: complex, similarity: Floats
+    camera: Placeable, strips: Sequence[Strip], names: tuple[str, ...], centre: complex, similarity: Complexes
 ) -> Placeable:
     """Return the camera whose features are where a similarity takes them, as near as its parameters allow."""
     points = np.concatenate([strip.samples.points for strip in strips])

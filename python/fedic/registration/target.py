@@ -53,7 +53,7 @@ def target_pairs(image: Image, camera: Placeable, target: str | Target, thicknes
     poses = pinhole_from_pairs(camera, found)
     if poses:
         seen = refined(image, plan, seen, min(poses, key=lambda pose: _misfit(pose, found)))
-    return Pairs(seen.points + [0.0, 0.0, thickness], seen.pixels, placed=False)
+    return Pairs(seen.points + np.array([0.0, 0.0, thickness]), seen.pixels, placed=False)
 
 
 def start_on_target(start: Pinhole, on_target: Pinhole, points: np.ndarray) -> tuple[Pinhole, Place]:
