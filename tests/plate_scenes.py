@@ -4,8 +4,10 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
+from target_scenes import Texture
 
 import fedic
+from fedic.calibration import Target
 
 LENGTH, WIDTH, RADIUS = 60.0, 25.0, 5.0
 CENTRE = (33.0, 11.0)
@@ -71,3 +73,21 @@ def wrong(camera: fedic.FrontParallel | fedic.Pinhole, sign: tuple[int, ...]) ->
         (tx + right * pixel, ty + down * pixel, tz * (1.0 + growth)),
         distortion=camera.distortion,
     )
+
+
+class WithTarget:
+    """A plate with a target on it: printed paper, its origin and X axis somewhere on the plate."""
+
+    def __init__(self, plate: Plate, target: Target, origin: tuple[float, float], angle: float) -> None:
+        self._plate, self._target, self._printed = plate, target, Texture(target)
+        self._origin, self._angle = np.array(origin), angle
+
+    def values(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        values = self._plate.values(points)
+        cos, sin = np.cos(self._angle), np.sin(self._angle)
+        local = (np.asarray(points)[:, :2] - self._origin) @ np.array([[cos, -sin], [sin, cos]])
+        reach = 1.9 * self._target.pitch
+        high = np.array([self._target.columns - 1, self._target.rows - 1]) * self._target.pitch
+        on = np.all((local > -reach) & (local < high + reach), axis=1)
+        values[on] = self._printed.values(np.ascontiguousarray(local[on]))
+        return values

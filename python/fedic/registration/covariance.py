@@ -6,7 +6,7 @@ import numpy as np
 
 from fedic._core import FrontParallel
 from fedic._types import Floats
-from fedic.errors import SolveError
+from fedic.errors import CameraError, SolveError
 from fedic.registration.fit import Group
 from fedic.registration.pose import Placeable
 
@@ -32,10 +32,14 @@ def check_determined(groups: Sequence[Group], names: Sequence[str]) -> None:
 
     Raises
     ------
+    CameraError
+        If the camera does not see what the rows are about.
     SolveError
         If one does; the message names its parameters.
     """
     rows = np.concatenate([group.jacobian[group.used] for group in groups])
+    if not np.isfinite(rows).all():
+        raise CameraError("camera: from its start it does not see all the points and features; correct the start.")
     lengths = np.linalg.norm(rows, axis=0)
     blind = [name for name, length in zip(names, lengths, strict=True) if length <= 1e-12 * lengths.max()]
     if not blind:

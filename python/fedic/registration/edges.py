@@ -2,9 +2,10 @@
 
 Grey levels are read along the normals of the feature. One side of an edge is quieter than the other, as a rule the
 ground around a speckled specimen: with B the level of the quiet side, ``|I - B|`` is small there and large on the
-other, be it brighter, darker, or speckled about the same mean. The mean of this contrast over a piece of the edge falls from a
-level on one side to a level on the other, and the area under it says where: at the step of the same area, whatever the
-blur. The area is a sum over pixels, so that speckles cancel instead of pulling the edge to the nearest of them.
+other, be it brighter, darker, or speckled about the same mean. The mean of this contrast over a piece of the edge
+falls from a level on one side to a level on the other, and the area under it says where: at the step of the same
+area, whatever the blur. The area is a sum over pixels, so that speckles cancel instead of pulling the edge to the
+nearest of them.
 """
 
 from dataclasses import dataclass

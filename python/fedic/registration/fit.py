@@ -102,8 +102,6 @@ def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
     """
     damping = 1e-3
     residuals, jacobian = _all_pair_rows(estimate, problem)
-    if not np.isfinite(residuals).all():
-        raise CameraError("camera: from its start it does not see all the points; correct the start.")
     for _ in range(_PAIR_ITERATIONS):
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny)
         rows = jacobian / scale

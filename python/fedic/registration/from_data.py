@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from fedic._core import Mesh
 from fedic._types import Floats, Image
-from fedic.calibration.target import Target
+from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError
 from fedic.images import as_image
 from fedic.registration.covariance import check_determined, check_known, covariance_of
@@ -17,7 +17,7 @@ from fedic.registration.fit import Estimate, Group, Problem, pair_groups
 from fedic.registration.pairs import Pairs, Place, checked_pairs
 from fedic.registration.pose import Placeable, free_parameters
 from fedic.registration.result import FeatureDistances, Registration
-from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, unknowns_of
+from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, read_as_placed, unknowns_of
 from fedic.registration.target import target_pairs
 
 __all__ = ["register"]
@@ -55,7 +55,8 @@ def register(
         The specimen, as in the reference image of the measurement.
     camera : FrontParallel or Pinhole
         The rough start; for a pinhole also the calibration. The whole pose of a pinhole from four points in a plane or
-        more, or from a target whose place on the mesh is given, does not depend on the start.
+        more does not depend on the start; with a target whose place on the mesh is given, the start only tells which
+        way up the target is.
     points : (array_like (m, 2) or (m, 3), array_like (m, 2)), optional
         Points in the frame of the mesh, and their pixels ``(u, v)``.
     features : sequence of str or BoundaryFeature
@@ -108,10 +109,11 @@ def register(
 
     estimate, problem = Estimate(camera), Problem(grey, names, pixel_noise=pixel_noise)
     if target is not None:
-        found = target_pairs(grey, camera, target, target_thickness)
+        plan = parse_target(target) if isinstance(target, str) else target
+        found = target_pairs(grey, camera, plan, target_thickness)
         if target_origin is not None:
             place = _place(target_origin, target_angle)
-            found = Pairs(place.carry(found.points), found.pixels)
+            found = read_as_placed(mesh, estimate, problem, found, place, turned=plan.kind != "charuco")
         elif pairs or wanted:
             estimate = on_plane_of_target(mesh, estimate, problem, found)
         else:

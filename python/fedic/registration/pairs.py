@@ -112,10 +112,10 @@ def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:
     if len(pairs.points) < _FEWEST_FOR_A_POSE or not flat or spread[1] < 1e-3 * spread[0]:
         return []
     try:
-        retinal = posed(camera, np.eye(3), np.zeros(3)).unproject(pairs.pixels, z=1.0)[:, :2]
+        retinal = posed(camera, np.eye(3), np.zeros(3)).unproject(pairs.pixels, z=1.0)[:, :2].copy()
         height = np.array([0.0, 0.0, pairs.points[0, 2]])
         count, vectors, translations, _ = cv2.solvePnPGeneric(
-            np.ascontiguousarray(pairs.points - height), retinal, np.eye(3), np.zeros(4), flags=cv2.SOLVEPNP_IPPE
+            pairs.points - height, retinal, np.eye(3), np.zeros(4), flags=cv2.SOLVEPNP_IPPE
         )
     except (CameraError, cv2.error):
         return []

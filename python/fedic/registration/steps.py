@@ -12,13 +12,13 @@ from fedic.registration.covariance import check_determined
 from fedic.registration.edges import Strip, across_jacobian, prepare_strip
 from fedic.registration.features import BoundaryFeature
 from fedic.registration.fit import Estimate, Group, Problem, fit_edges, fit_pairs, for_all_unknowns, pair_groups
-from fedic.registration.pairs import Pairs, pinhole_from_pairs
+from fedic.registration.pairs import Pairs, Place, pinhole_from_pairs
 from fedic.registration.pose import Placeable, posed
 from fedic.registration.sampling import sample_feature
 from fedic.registration.search import nearby
 from fedic.registration.target import start_on_target
 
-__all__ = ["from_features", "from_pairs", "on_plane_of_target", "unknowns_of"]
+__all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed", "unknowns_of"]
 
 _BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
@@ -48,6 +48,48 @@ def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
         starts = [Estimate(camera) for camera in pinhole_from_pairs(estimate.camera, together)] or starts
     check_determined(pair_groups(starts[0], problem), unknowns_of(estimate, problem.names))
     return min((fit_pairs(start, problem) for start in starts), key=lambda each: _misfit(each, problem))
+
+
+def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, place: Place, *, turned: bool) -> Pairs:
+    """Take the points of a target to the frame of the mesh; upside down where that is nearer to the start.
+
+    Parameters
+    ----------
+    mesh, start, problem
+        The mesh, the rough start, and the problem without points.
+    found : Pairs
+        In the frame of the target.
+    place : Place
+        Of the target on the mesh.
+    turned : bool
+        Whether the target may have been read upside down.
+
+    Raises
+    ------
+    CameraError
+        If that is to be decided and the start does not see the mesh.
+    """
+    readings = [Pairs(place.carry(found.points), found.pixels)]
+    if not turned:
+        return readings[0]
+    nodes = used_points(mesh)
+    wanted = start.camera.project(nodes)
+    if not np.isfinite(wanted).all():
+        raise CameraError(
+            "camera: this target can be read in two directions, and the start, which should tell them apart, does not "
+            "see the mesh; give a rough pose."
+        )
+    ends = found.points.min(axis=0) + found.points.max(axis=0)
+    readings.append(
+        Pairs(place.carry(np.array([-1.0, -1.0, 1.0]) * found.points + ends * [1.0, 1.0, 0.0]), found.pixels)
+    )
+
+    def distance(reading: Pairs) -> float:
+        camera = from_pairs(start, replace(problem, pairs=[reading])).camera
+        away = np.linalg.norm(camera.project(nodes) - wanted, axis=1)
+        return float(np.median(np.where(np.isfinite(away), away, np.inf)))
+
+    return min(readings, key=distance)
 
 
 def on_plane_of_target(mesh: Mesh, estimate: Estimate, problem: Problem, pairs: Pairs) -> Estimate:
