@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from plate_scenes import CENTRE, LENGTH, WIDTH, Plate, WithTarget, plate_mesh, signs, wrong
+from plate_scenes import LENGTH, WIDTH, Plate, WithTarget, plate_mesh, signs, wrong
 from typer.testing import CliRunner
 
 import fedic
@@ -121,7 +121,7 @@ def test_a_rendered_plate_is_found_from_wrong_starts(name: str, ground: float) -
     image = plate(camera, ground, seed=3)
     for sign in signs()[::3]:
         start = wrong(camera, sign)
-        assert off(start, camera).max() > 25.0
+        assert off(start, camera).max() > 20.0
         found = fedic.register(MESH, image, start, features=BOUNDARY)
         assert off(found.camera, camera).max() < 0.6
         assert np.median(off(found.camera, camera)) < 0.3
@@ -138,7 +138,7 @@ def test_stated_deviations_from_edges() -> None:
     camera, start = fedic.FrontParallel(5.0, (20.0, 160.0), 0.05), fedic.FrontParallel(5.01, (20.5, 159.5), 0.051)
     ratios = []
     for seed in range(100):
-        image = fedic.synthetic.render(Plate(0.02, seed, 0.6), camera, (180, 330), noise=2.0, seed=seed)
+        image = fedic.synthetic.render(Plate(0.02, seed, 0.6), camera, (180, 330), supersampling=2, seed=seed)
         found = fedic.register(MESH, image, start, features=BOUNDARY, search=0.0)
         ratios.append(errors(found.camera, camera) / list(found.standard_deviations.values()))
     scores = np.array(ratios)
@@ -184,7 +184,7 @@ def test_hidden_parts_and_dirt_are_left_out() -> None:
 
 def test_points_and_edges_together() -> None:
     image = plate(PINHOLE, 0.02)
-    clicked = PINHOLE.project(POINTS[:2]) + [[0.4, -0.3], [-0.2, 0.5]]
+    clicked = PINHOLE.project(POINTS[:2]) + np.array([[0.4, -0.3], [-0.2, 0.5]])
     found = fedic.register(
         MESH, image, wrong(PINHOLE, (1, 1, 1, 1)), points=(POINTS[:2], clicked), features=BOUNDARY, pixel_noise=0.5
     )
@@ -193,27 +193,29 @@ def test_points_and_edges_together() -> None:
     assert set(found.features) == set(BOUNDARY)
 
 
+BOARD = "chessboard:7x4:2"
+PLACE = ((8.0, 8.0), 0.2)
+
+
+@pytest.fixture(scope="module")
+def image() -> NDArray[np.uint8]:
+    scene: Any = WithTarget(Plate(0.02), parse_target(BOARD), *PLACE)
+    return fedic.synthetic.render(scene, PINHOLE, SHAPE, noise=2.0)  # type: ignore[return-value]
+
+
 class TestTarget:
-    BOARD = "chessboard:7x4:2"
-    PLACE = ((8.0, 8.0), 0.2)
-
-    @pytest.fixture(scope="class")
-    def image(self) -> NDArray[np.uint8]:
-        scene: Any = WithTarget(Plate(0.02), parse_target(self.BOARD), *self.PLACE)
-        return fedic.synthetic.render(scene, PINHOLE, SHAPE, noise=2.0)  # type: ignore[return-value]
-
     @pytest.mark.parametrize("sign", signs()[::5])
     def test_placed_on_the_mesh(self, image: NDArray[np.uint8], sign: tuple[int, ...]) -> None:
-        origin, angle = self.PLACE
+        origin, angle = PLACE
         start = wrong(PINHOLE, sign)
-        found = fedic.register(MESH, image, start, target=self.BOARD, target_origin=origin, target_angle=angle)
+        found = fedic.register(MESH, image, start, target=BOARD, target_origin=origin, target_angle=angle)
         assert off(found.camera, PINHOLE).max() < 0.15
         assert len(found.residuals) == 28
         assert np.all(np.abs(errors(found.camera, PINHOLE)) < 5.0 * np.array([*found.standard_deviations.values()]))
 
     def test_a_thick_target_lies_above_the_mesh(self, image: NDArray[np.uint8]) -> None:
-        origin, angle = self.PLACE
-        kept: Any = {"target": self.BOARD, "target_origin": origin, "target_angle": angle}
+        origin, angle = PLACE
+        kept: Any = {"target": BOARD, "target_origin": origin, "target_angle": angle}
         thin = fedic.register(MESH, image, PINHOLE, **kept).camera
         thick = fedic.register(MESH, image, PINHOLE, **kept, target_thickness=0.5).camera
         raised = np.column_stack([POINTS, np.full(len(POINTS), 0.5)])
@@ -221,7 +223,7 @@ class TestTarget:
 
     @pytest.mark.parametrize("sign", signs()[::5])
     def test_with_features_in_its_plane(self, image: NDArray[np.uint8], sign: tuple[int, ...]) -> None:
-        found = fedic.register(MESH, image, wrong(PINHOLE, sign), target=self.BOARD, features=["hole 0", "right"])
+        found = fedic.register(MESH, image, wrong(PINHOLE, sign), target=BOARD, features=["hole 0", "right"])
         assert off(found.camera, PINHOLE).max() < 0.8
         # The plane is the target's: the tilt is as well known as with the target alone.
         assert max(found.standard_deviations[name] for name in ("rx", "ry")) < 1e-3
@@ -231,7 +233,7 @@ class TestTarget:
 
     def test_with_points_in_its_plane(self, image: NDArray[np.uint8]) -> None:
         pair = POINTS[[0, 11]], PINHOLE.project(POINTS[[0, 11]])
-        found = fedic.register(MESH, image, wrong(PINHOLE, (1, -1, -1, 1)), target=self.BOARD, points=pair)
+        found = fedic.register(MESH, image, wrong(PINHOLE, (1, -1, -1, 1)), target=BOARD, points=pair)
         assert off(found.camera, PINHOLE).max() < 0.15
 
     @pytest.mark.parametrize(
@@ -243,7 +245,7 @@ class TestTarget:
             ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=.* all finite"),
             ({"target_thickness": np.inf}, fedic.CameraError, "target_thickness=inf: give a finite height"),
             ({"camera": FRONT}, fedic.CameraError, "pose of a calibrated Pinhole, not of a FrontParallel"),
-            ({"camera": BARE}, fedic.CameraError, "read in two directions, and the start .* give a rough pose"),
+            ({"camera": BARE}, fedic.CameraError, "read in two directions, and the start.* give a rough pose"),
             (
                 {"target_origin": None, "features": ["hole 0", "right"], "free": ["tx", "ty"]},
                 fedic.CameraError,
@@ -254,14 +256,14 @@ class TestTarget:
     def test_what_is_refused(
         self, image: NDArray[np.uint8], options: dict[str, Any], error: type[Exception], message: str
     ) -> None:
-        given: dict[str, Any] = {"camera": PINHOLE, "target": self.BOARD, "target_origin": (8.0, 8.0), **options}
+        given: dict[str, Any] = {"camera": PINHOLE, "target": BOARD, "target_origin": (8.0, 8.0), **options}
         with pytest.raises(error, match=message):
             fedic.register(MESH, image, **given)
 
     def test_another_focal_length_is_noticed(self, image: NDArray[np.uint8]) -> None:
         other = fedic.Pinhole((900, 500), (300, 200), PINHOLE.rotation, PINHOLE.translation)
-        with pytest.raises(fedic.ImageError, match="closer than .* px: .* another calibration"):
-            fedic.register(MESH, image, other, target=self.BOARD, target_origin=(8.0, 8.0))
+        with pytest.raises(fedic.ImageError, match=r"closer than .* px: .* another calibration"):
+            fedic.register(MESH, image, other, target=BOARD, target_origin=(8.0, 8.0))
 
 
 BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
@@ -270,7 +272,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"features": "hole 0"}, fedic.MeshError, "give a list of names"),
     ({"features": ["top", "top"]}, fedic.MeshError, "'top' is given twice"),
     ({"features": ["bottom", "top"]}, fedic.SolveError, "do not determine .*u0.* Add point pairs or features"),
-    ({"features": ["hole 0"]}, fedic.SolveError, "do not determine angle"),
+    ({"features": ["hole 0"]}, fedic.SolveError, "do not determine u0, v0 and angle"),
     ({"points": (POINTS[:1], FRONT.project(POINTS[:1]))}, fedic.SolveError, "do not determine u0, v0, angle and scale"),
     ({"points": POINTS}, fedic.CameraError, r"points: .*give points=\(points"),
     ({"points": (POINTS, POINTS[:3])}, fedic.CameraError, r"pixels of shape \(3, 2\)"),
@@ -288,7 +290,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
         r"puts the feature 'hole 0' around .*, out of the image of 600 x 400 px; correct the start",
     ),
     (
-        {"features": BOUNDARY, "camera": fedic.FrontParallel(8.0, (190.0, 370.0))},
+        {"features": BOUNDARY, "camera": fedic.FrontParallel(8.0, (120.0, 350.0))},
         fedic.ImageError,
         "is not found in the image: .* search = 60 px away",
     ),
@@ -327,12 +329,13 @@ def test_a_tilt_that_a_long_lens_does_not_show_is_refused_by_name() -> None:
     assert off(found.camera, far).max() < 0.6
 
 
-class TestWritten:
-    @pytest.fixture(scope="class")
-    def found(self) -> fedic.Registration:
-        some = POINTS[[0, 11]], FRONT.project(POINTS[[0, 11]])
-        return fedic.register(MESH, plate(FRONT, 0.02), FRONT, features=["hole 0", "left", "top"], points=some)
+@pytest.fixture(scope="module")
+def found() -> fedic.Registration:
+    some = POINTS[[0, 11]], FRONT.project(POINTS[[0, 11]])
+    return fedic.register(MESH, plate(FRONT, 0.02), FRONT, features=["hole 0", "left", "top"], points=some)
 
+
+class TestWritten:
     def test_the_camera(self, found: fedic.Registration, tmp_path: Path) -> None:
         path = found.write(tmp_path / "camera.toml")
         assert fedic.read_camera(path) == found.camera

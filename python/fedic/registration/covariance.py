@@ -7,14 +7,14 @@ import numpy as np
 from fedic._core import FrontParallel
 from fedic._types import Floats
 from fedic.errors import CameraError, SolveError
-from fedic.registration.fit import Group
 from fedic.registration.pose import Placeable
+from fedic.registration.problem import Group
 
 __all__ = ["check_determined", "check_known", "covariance_of"]
 
 _OPEN = 1e-5
 """Singular value, of columns brought to one length and the largest being one, of a motion the data do not see."""
-_PART = 0.3
+_PART = 0.1
 _POOREST_ANGLE = 0.2
 _POOREST_GROWTH = 0.1
 _LONGEST_LAG = 0.25

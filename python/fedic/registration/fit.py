@@ -5,19 +5,18 @@ wide, then closely, with Tukey's weights on the distances. The noise of each fea
 is left.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fedic._types import Floats, Image
+from fedic._types import Floats
 from fedic.errors import CameraError, SolveError
-from fedic.registration.edges import Edge, Strip, measure_edge
-from fedic.registration.pairs import Pairs, Place, pair_rows
-from fedic.registration.pose import Placeable, move, similarity_parameters
+from fedic.registration.covariance import check_known, covariance_of
+from fedic.registration.edges import measure_edge
+from fedic.registration.pose import similarity_parameters
+from fedic.registration.problem import Estimate, Group, Problem, for_all_unknowns, pair_groups
 
-__all__ = ["Estimate", "Group", "Problem", "fit_edges", "fit_pairs", "for_all_unknowns", "pair_groups"]
+__all__ = ["fit_edges", "fit_pairs"]
 
 _STAGES = ((24.0, 16.0, 6, 0.2), (12.0, 16.0, 8, 0.05), (3.0, 8.0, 40, 1e-3))
 """Reach and band in pixels, most iterations, and the motion in pixels below which the stage is over."""
@@ -27,69 +26,6 @@ _REWEIGHTINGS = 8
 _MEDIAN_OF_NORMAL = 0.6745
 _PAIR_ITERATIONS = 200
 _EXACT_PX = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """Values of the unknowns: a camera and, where a target's place is unknown, that place."""
-
-    camera: Placeable
-    place: Place | None = None
-
-    def moved(self, names: tuple[str, ...], step: Floats) -> "Estimate":
-        """Return the estimate moved by a step: the parameters `names`, then those of the place."""
-        place = None if self.place is None else self.place.moved(step[len(names) :])
-        return Estimate(move(self.camera, names, step[: len(names)]), place)
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """What is known.
-
-    Attributes
-    ----------
-    image : ndarray, shape (height, width)
-        The image.
-    names : tuple of str
-        The free parameters.
-    strips : sequence of Strip
-        Features whose edges count.
-    pairs : sequence of Pairs
-        Points that count.
-    pixel_noise : float, optional
-        Standard deviation of a coordinate of the pairs' pixels; from what is left if not given.
-    """
-
-    image: Image
-    names: tuple[str, ...]
-    strips: Sequence[Strip] = ()
-    pairs: Sequence[Pairs] = ()
-    pixel_noise: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Rows that share a noise: the edge pieces of a feature, or the coordinates of the points.
-
-    Attributes
-    ----------
-    residuals : ndarray, shape (n,)
-        Seen minus projected, in pixels.
-    jacobian : ndarray, shape (n, p)
-        Of the projection by the unknowns.
-    used : ndarray of bool, shape (n,)
-        Those that count.
-    noise : float
-        Standard deviation, in pixels, of one of them.
-    edge : Edge, optional
-        Where the rows come from an edge.
-    """
-
-    residuals: Floats
-    jacobian: Floats
-    used: NDArray[np.bool_]
-    noise: float
-    edge: Edge | None = None
 
 
 def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
@@ -125,12 +61,19 @@ def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
 
 
 def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Group]]:
-    """Bring the features to their edges; also return the rows at the end, the points' last."""
-    groups: list[Group] = []
+    """Bring the features to their edges; also return the rows at the end, the points' last.
+
+    Raises
+    ------
+    SolveError
+        If a parameter would be left so uncertain that the fit may run away.
+    """
     for index, (reach, band, iterations, enough) in enumerate(_STAGES):
         cutoff = None if index < len(_STAGES) - 1 else _TUKEY
         names = similarity_parameters(problem.names) if index == 0 else problem.names
         stage = replace(problem, names=names or problem.names)
+        if index == 1:
+            _check_known(estimate, stage, reach, band)
         for _ in range(iterations):
             groups = _measured(estimate, stage, reach, band)
             step, groups = _robust_step(groups, problem.pixel_noise, cutoff)
@@ -141,18 +84,10 @@ def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Grou
     return estimate, _robust_step(groups, problem.pixel_noise, _TUKEY)[1]
 
 
-def pair_groups(estimate: Estimate, problem: Problem) -> list[Group]:
-    """Return the rows of the points."""
-    groups = []
-    for pairs in problem.pairs:
-        residuals, jacobian = pair_rows(estimate.camera, estimate.place, pairs, problem.names)
-        groups.append(Group(residuals, jacobian, np.ones(len(residuals), dtype=bool), problem.pixel_noise or 1.0))
-    return groups
-
-
-def for_all_unknowns(estimate: Estimate, jacobian: Floats) -> Floats:
-    """Return derivatives by the parameters with those, zero, by the place of a target."""
-    return jacobian if estimate.place is None else np.column_stack([jacobian, np.zeros((len(jacobian), 3))])
+def _check_known(estimate: Estimate, problem: Problem, reach: float, band: float) -> None:
+    _, groups = _robust_step(_measured(estimate, problem, reach, band), problem.pixel_noise, None)
+    deviations = np.sqrt(np.diag(covariance_of(groups, problem.pixel_noise)[0]))[: len(problem.names)]
+    check_known(problem.names, list(deviations), estimate.camera)
 
 
 def _measured(estimate: Estimate, problem: Problem, reach: float, band: float) -> list[Group]:

@@ -13,11 +13,11 @@ from fedic.errors import CameraError
 from fedic.images import as_image
 from fedic.registration.covariance import check_determined, check_known, covariance_of
 from fedic.registration.features import BoundaryFeature, chosen_features, listed_features
-from fedic.registration.fit import Estimate, Group, Problem, pair_groups
 from fedic.registration.pairs import Pairs, Place, checked_pairs
 from fedic.registration.pose import Placeable, free_parameters
+from fedic.registration.problem import Estimate, Group, Problem, pair_groups, unknowns_of
 from fedic.registration.result import FeatureDistances, Registration
-from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, read_as_placed, unknowns_of
+from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, read_as_placed
 from fedic.registration.target import target_pairs
 
 __all__ = ["register"]

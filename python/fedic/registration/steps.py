@@ -11,14 +11,15 @@ from fedic.errors import CameraError, ImageError, SolveError
 from fedic.registration.covariance import check_determined
 from fedic.registration.edges import Strip, across_jacobian, prepare_strip
 from fedic.registration.features import BoundaryFeature
-from fedic.registration.fit import Estimate, Group, Problem, fit_edges, fit_pairs, for_all_unknowns, pair_groups
+from fedic.registration.fit import fit_edges, fit_pairs
 from fedic.registration.pairs import Pairs, Place, pinhole_from_pairs
 from fedic.registration.pose import Placeable, posed
+from fedic.registration.problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
 from fedic.registration.sampling import sample_feature
 from fedic.registration.search import nearby
 from fedic.registration.target import start_on_target
 
-__all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed", "unknowns_of"]
+__all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
 
 _BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
@@ -26,11 +27,6 @@ _FEWEST_SEEN = 0.5
 _POOREST_EDGE_PX = 3.0
 _LEAST_IN_IMAGE = 0.3
 _POSE = 6
-
-
-def unknowns_of(estimate: Estimate, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of all unknowns."""
-    return names if estimate.place is None else (*names, "target x", "target y", "target angle")
 
 
 def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
