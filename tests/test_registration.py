@@ -273,7 +273,11 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"features": ["top", "top"]}, fedic.MeshError, "'top' is given twice"),
     ({"features": ["bottom", "top"]}, fedic.SolveError, "do not determine .*u0.* Add point pairs or features"),
     ({"features": ["hole 0"]}, fedic.SolveError, "do not determine u0, v0 and angle"),
-    ({"points": (POINTS[:1], FRONT.project(POINTS[:1]))}, fedic.SolveError, "do not determine u0, v0, angle and scale"),
+    (
+        {"points": (POINTS[4:5], FRONT.project(POINTS[4:5]))},
+        fedic.SolveError,
+        "do not determine u0, v0, angle and scale",
+    ),
     ({"points": POINTS}, fedic.CameraError, r"points: .*give points=\(points"),
     ({"points": (POINTS, POINTS[:3])}, fedic.CameraError, r"pixels of shape \(3, 2\)"),
     ({"points": (["a"], [1])}, fedic.CameraError, "not a pair of arrays of numbers"),
@@ -290,7 +294,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
         r"puts the feature 'hole 0' around .*, out of the image of 600 x 400 px; correct the start",
     ),
     (
-        {"features": BOUNDARY, "camera": fedic.FrontParallel(8.0, (120.0, 350.0))},
+        {"features": BOUNDARY, "camera": fedic.FrontParallel(8.0, (60.0, 370.0), -0.1)},
         fedic.ImageError,
         "is not found in the image: .* search = 60 px away",
     ),

@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fedic._core import Mesh
-from fedic._types import Floats, Image
+from fedic._types import Camera, Floats, Image
 from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError
 from fedic.images import as_image
 from fedic.registration.covariance import check_determined, check_known, covariance_of
 from fedic.registration.features import BoundaryFeature, chosen_features, listed_features
 from fedic.registration.pairs import Pairs, Place, checked_pairs
-from fedic.registration.pose import Placeable, free_parameters
+from fedic.registration.pose import free_parameters, placeable
 from fedic.registration.problem import Estimate, Group, Problem, pair_groups, unknowns_of
 from fedic.registration.result import FeatureDistances, Registration
 from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, read_as_placed
@@ -28,7 +28,7 @@ Features: TypeAlias = Sequence[str | BoundaryFeature]
 def register(
     mesh: Mesh,
     image: Image,
-    camera: Placeable,
+    camera: Camera,
     *,
     points: tuple[ArrayLike, ArrayLike] | None = None,
     features: Features = (),
@@ -96,7 +96,8 @@ def register(
         If the data do not determine the free parameters.
     """
     grey = as_image(image, "given")
-    names = free_parameters(camera, free)
+    start = placeable(camera)
+    names = free_parameters(start, free)
     wanted = chosen_features(mesh, features)
     pairs = [] if points is None else [_inside(grey, checked_pairs(points))]
     if not pairs and not wanted and target is None:
@@ -107,10 +108,10 @@ def register(
     if not 0.0 <= search < np.inf:
         raise CameraError(f"search={search}: give a number of pixels, zero or more.")
 
-    estimate, problem = Estimate(camera), Problem(grey, names, pixel_noise=pixel_noise)
+    estimate, problem = Estimate(start), Problem(grey, names, pixel_noise=pixel_noise)
     if target is not None:
         plan = parse_target(target) if isinstance(target, str) else target
-        found = target_pairs(grey, camera, plan, target_thickness)
+        found = target_pairs(grey, start, plan, target_thickness)
         if target_origin is not None:
             place = _place(target_origin, target_angle)
             found = read_as_placed(mesh, estimate, problem, found, place, turned=plan.kind != "charuco")

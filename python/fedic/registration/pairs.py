@@ -1,15 +1,16 @@
 """Points of the mesh's frame seen at known pixels, given by hand or found on a target."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from fedic._core import Pinhole
-from fedic._types import Floats
+from fedic._types import Floats, StrPath
 from fedic.errors import CameraError
 from fedic.registration.pose import Placeable, pose_jacobian, posed
 
-__all__ = ["Pairs", "Place", "checked_pairs", "pair_rows", "pinhole_from_pairs"]
+__all__ = ["Pairs", "Place", "checked_pairs", "pair_rows", "pinhole_from_pairs", "read_pairs"]
 
 _FEWEST_FOR_A_POSE = 4
 
@@ -78,6 +79,34 @@ def checked_pairs(points: object) -> Pairs:
     if len(bad):
         raise CameraError(f"points: pair number {bad[0]} is not finite.")
     return Pairs(where, at)
+
+
+def read_pairs(path: StrPath) -> tuple[Floats, Floats]:
+    """Read point pairs from a text file.
+
+    Parameters
+    ----------
+    path : str or path
+        A line for each pair: X, Y, u, v or X, Y, Z, u, v, separated by blanks or commas; ``#`` begins a comment.
+
+    Returns
+    -------
+    points : ndarray, shape (m, 2) or (m, 3)
+    pixels : ndarray, shape (m, 2)
+
+    Raises
+    ------
+    CameraError
+        If the file is missing or holds anything else.
+    """
+    try:
+        lines = Path(path).read_text(encoding="utf-8").replace(",", " ").splitlines()
+        rows = np.loadtxt(lines, ndmin=2)
+    except (OSError, ValueError) as fault:
+        raise CameraError(f"{path}: the point pairs cannot be read ({fault}).") from None
+    if rows.shape[1] not in (4, 5):
+        raise CameraError(f"{path}: {rows.shape[1]} numbers on a line; write X Y u v, or X Y Z u v.")
+    return rows[:, :-2], rows[:, -2:]
 
 
 def pair_rows(camera: Placeable, place: Place | None, pairs: Pairs, names: tuple[str, ...]) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ from fedic._core import FrontParallel, Pinhole
 from fedic._types import Floats
 from fedic.errors import CameraError
 
-__all__ = ["Placeable", "free_parameters", "move", "pose_jacobian", "posed", "similarity_parameters"]
+__all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "posed", "similarity_parameters"]
 
 Placeable: TypeAlias = FrontParallel | Pinhole
 
@@ -23,7 +23,23 @@ _PINHOLE = ("rx", "ry", "rz", "tx", "ty", "tz")
 _SIMILARITY = ("u0", "v0", "angle", "scale", "rz", "tx", "ty", "tz")
 
 
-def free_parameters(camera: object, free: Sequence[str] | None) -> tuple[str, ...]:
+def placeable(camera: object) -> Placeable:
+    """Return a camera that has a pose.
+
+    Raises
+    ------
+    CameraError
+        If it has none.
+    """
+    if isinstance(camera, (FrontParallel, Pinhole)):
+        return camera
+    raise CameraError(
+        f"camera: {type(camera).__name__} has no pose to be found; give a FrontParallel or a Pinhole with the rough "
+        "place of the mesh."
+    )
+
+
+def free_parameters(camera: Placeable, free: Sequence[str] | None) -> tuple[str, ...]:
     """Return the names of the free parameters of a camera, in their order.
 
     Parameters
@@ -36,13 +52,8 @@ def free_parameters(camera: object, free: Sequence[str] | None) -> tuple[str, ..
     Raises
     ------
     CameraError
-        If the camera has no pose, or a name is unknown.
+        If a name is unknown.
     """
-    if not isinstance(camera, (FrontParallel, Pinhole)):
-        raise CameraError(
-            f"camera: {type(camera).__name__} has no pose to be found; give a FrontParallel or a Pinhole with the "
-            "rough place of the mesh."
-        )
     known = _FRONT_PARALLEL if isinstance(camera, FrontParallel) else _PINHOLE
     if free is None:
         return known
