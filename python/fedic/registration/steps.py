@@ -212,6 +212,6 @@ def _check_found(strips: Sequence[Strip], groups: Sequence[Group], search: float
             continue
         raise ImageError(
             f"The feature {strip.name!r} is not found in the image: {how}. The start may be more than search = "
-            f"{search:g} px away (give a better one, point pairs, or a larger search), the image may not show it, or the "
-            "specimen may differ from the mesh."
+            f"{search:g} px away (give a better one, point pairs, or a larger search), the image may not show it, or "
+            "the specimen may differ from the mesh."
         )
