@@ -105,10 +105,10 @@ def test_it_is_closer_to_the_edges_than_the_camera_placed_by_hand(mesh: fedic.Me
 
 
 def test_a_mesh_with_the_right_hole_fits_it(image: NDArray[np.uint8], shared_data: Shared) -> None:
-    """The triangles' hole has the drawing's radius, 5 mm, and their frame is turned by half a turn."""
+    """The triangles' hole has a radius of 5 mm, the quadrilaterals' 4.925; their frames differ by half a turn."""
     triangles = fedic.read_mesh(shared_data("openhole/gmsh_t3_mm.msh"))
     upright = fedic.FrontParallel(SCALE / 1000.0, REFERENCE.origin, REFERENCE.angle)
-    with pytest.raises(fedic.ImageError, match="'hole 0' is not found .* the specimen may differ from the mesh"):
+    with pytest.raises(fedic.ImageError, match=r"'hole 0' is not found .* the specimen may differ from the mesh"):
         fedic.register(triangles, image, upright, features=FEATURES)
     ((u, v),) = REFERENCE.project([[0.09, 0.03]])
     turned = fedic.FrontParallel(SCALE / 1000.0, (u, v), REFERENCE.angle + np.pi)
