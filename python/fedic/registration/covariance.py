@@ -76,7 +76,7 @@ def check_known(names: Sequence[str], deviations: Sequence[float], camera: Place
         )
 
 
-def covariance_of(groups: Sequence[Group], pixel_noise: float | None) -> tuple[Floats, list[float]]:
+def covariance_of(groups: Sequence[Group]) -> tuple[Floats, list[float]]:
     """Return the covariance of the unknowns, and the noise of each group.
 
     Least squares with the noise of each group from its own residuals, less the freedom the unknowns take away. The
@@ -87,8 +87,6 @@ def covariance_of(groups: Sequence[Group], pixel_noise: float | None) -> tuple[F
     ----------
     groups : sequence of Group
         The rows at the minimum.
-    pixel_noise : float, optional
-        Of the points, where known.
 
     Returns
     -------
@@ -100,7 +98,7 @@ def covariance_of(groups: Sequence[Group], pixel_noise: float | None) -> tuple[F
     noises = [group.noise for group in groups]
     inverse = np.linalg.pinv(_normal(groups, noises))
     for index, group in enumerate(groups):
-        if group.edge is None and pixel_noise is not None:
+        if group.known:
             continue
         rows, left = group.jacobian[group.used], group.residuals[group.used]
         taken = float(np.einsum("np,pq,nq->", rows, inverse, rows)) / noises[index] ** 2

@@ -25,7 +25,7 @@ _SMALLEST_NOISE = 0.01
 _REWEIGHTINGS = 8
 _MEDIAN_OF_NORMAL = 0.6745
 _PAIR_ITERATIONS = 200
-_EXACT_PX = 1e-9
+_EXACT = 1e-9
 
 
 def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
@@ -42,7 +42,7 @@ def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
         scale = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny)
         rows = jacobian / scale
         newton = np.linalg.lstsq(rows, residuals, rcond=1e-12)[0]
-        if float(np.linalg.norm(rows @ newton)) <= _EXACT_PX:
+        if float(np.linalg.norm(rows @ newton)) <= _EXACT:
             return estimate
         damped = np.concatenate([rows, np.sqrt(damping) * np.eye(len(scale))])
         step = np.linalg.lstsq(damped, np.append(residuals, np.zeros(len(scale))), rcond=None)[0] / scale
@@ -60,14 +60,24 @@ def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
     raise SolveError("The points do not lead to a pose from this start; give a better start, or check the pairs.")
 
 
-def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Group]]:
-    """Bring the features to their edges; also return the rows at the end, the points' last.
+def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Group], float]:
+    """Bring the features to their edges.
+
+    Returns
+    -------
+    Estimate
+        Where they are.
+    list of Group
+        The rows there, the points' last.
+    float
+        The largest motion of the last step, in pixels.
 
     Raises
     ------
     SolveError
         If a parameter would be left so uncertain that the fit may run away.
     """
+    motion = np.inf
     for index, (reach, band, iterations, enough) in enumerate(_STAGES):
         cutoff = None if index < len(_STAGES) - 1 else _TUKEY
         names = similarity_parameters(problem.names) if index == 0 else problem.names
@@ -76,17 +86,18 @@ def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Grou
             _check_known(estimate, stage, reach, band)
         for _ in range(iterations):
             groups = _measured(estimate, stage, reach, band)
-            step, groups = _robust_step(groups, problem.pixel_noise, cutoff)
+            step, groups = _robust_step(groups, cutoff)
             estimate = estimate.moved(stage.names, step)
-            if max(float(np.abs(group.jacobian @ step).max()) for group in groups) <= enough:
+            motion = max(float(np.abs(group.jacobian @ step).max()) for group in groups)
+            if motion <= enough:
                 break
     groups = _measured(estimate, problem, *_STAGES[-1][:2])
-    return estimate, _robust_step(groups, problem.pixel_noise, _TUKEY)[1]
+    return estimate, _robust_step(groups, _TUKEY)[1], motion
 
 
 def _check_known(estimate: Estimate, problem: Problem, reach: float, band: float) -> None:
-    _, groups = _robust_step(_measured(estimate, problem, reach, band), problem.pixel_noise, None)
-    deviations = np.sqrt(np.diag(covariance_of(groups, problem.pixel_noise)[0]))[: len(problem.names)]
+    _, groups = _robust_step(_measured(estimate, problem, reach, band), None)
+    deviations = np.sqrt(np.diag(covariance_of(groups)[0]))[: len(problem.names)]
     check_known(problem.names, list(deviations), estimate.camera)
 
 
@@ -99,11 +110,13 @@ def _measured(estimate: Estimate, problem: Problem, reach: float, band: float) -
 
 
 def _all_pair_rows(estimate: Estimate, problem: Problem) -> tuple[Floats, Floats]:
+    """Return residuals and derivatives in standard deviations of the pixels."""
     groups = pair_groups(estimate, problem)
-    return np.concatenate([group.residuals for group in groups]), np.concatenate([group.jacobian for group in groups])
+    residuals = np.concatenate([group.residuals / group.noise for group in groups])
+    return residuals, np.concatenate([group.jacobian / group.noise for group in groups])
 
 
-def _robust_step(groups: list[Group], pixel_noise: float | None, tukey: float | None) -> tuple[Floats, list[Group]]:
+def _robust_step(groups: list[Group], tukey: float | None) -> tuple[Floats, list[Group]]:
     """Solve the linear problem with weights that follow from what it leaves; Cauchy's unless Tukey's are wanted."""
     weights = [group.used.astype(np.float64) for group in groups]
     noises = [group.noise for group in groups]
@@ -116,8 +129,8 @@ def _robust_step(groups: list[Group], pixel_noise: float | None, tukey: float | 
         step = np.linalg.lstsq(rows / scale, values, rcond=1e-9)[0] / scale
         for index, group in enumerate(groups):
             left = group.residuals - group.jacobian @ step
-            known = pixel_noise if group.edge is None else None
-            noises[index] = known or max(_spread(left[group.used]), _SMALLEST_NOISE)
+            if not group.known:
+                noises[index] = max(_spread(left[group.used]), _SMALLEST_NOISE)
             ratio = left / noises[index]
             if group.edge is None:
                 continue

@@ -1,6 +1,7 @@
 """`register`: the pose of a mesh from point pairs, edges in the image, or a target."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -23,6 +24,10 @@ from fedic.registration.target import target_pairs
 __all__ = ["register"]
 
 Features: TypeAlias = Sequence[str | BoundaryFeature]
+
+_FEWEST_TO_JUDGE = 6
+"""Points beside other data from which their noise is taken from what is left."""
+_EXPECTED_NOISE_PX = 0.5
 
 
 def register(
@@ -74,7 +79,8 @@ def register(
         The parameters to find: of ``u0 v0 angle scale`` (front-parallel), or of ``rx ry rz tx ty tz`` (pinhole:
         rotations about the camera's axes, translation). All if not given.
     pixel_noise : float, optional
-        Standard deviation of a coordinate of a point's pixel, for the covariance; from the residuals if not given.
+        Standard deviation of a coordinate of a given point's pixel. If not given it comes from the residuals, or,
+        beside features or a target, is taken to be 0.5 px where there are fewer than six points.
     search : float
         How far, in pixels, the centre of the features may be from where the start puts it, besides a turn of 4 degrees
         and 6 % of scale; zero if the start is right to some pixels.
@@ -96,19 +102,23 @@ def register(
         If the data do not determine the free parameters.
     """
     grey = as_image(image, "given")
+    if pixel_noise is not None and not 0.0 < pixel_noise < np.inf:
+        raise CameraError(f"pixel_noise={pixel_noise}: give a positive number of pixels.")
     start = placeable(camera)
     names = free_parameters(start, free)
     wanted = chosen_features(mesh, features)
     pairs = [] if points is None else [_inside(grey, checked_pairs(points))]
+    if pairs:
+        few = len(pairs[0].points) < _FEWEST_TO_JUDGE and (len(wanted) > 0 or target is not None)
+        known = few or pixel_noise is not None
+        pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]
     if not pairs and not wanted and target is None:
         listed = listed_features(mesh)
         raise CameraError(f"register: give points, features or a target to place the mesh by; the features are{listed}")
-    if pixel_noise is not None and not 0.0 < pixel_noise < np.inf:
-        raise CameraError(f"pixel_noise={pixel_noise}: give a positive number of pixels.")
     if not 0.0 <= search < np.inf:
         raise CameraError(f"search={search}: give a number of pixels, zero or more.")
 
-    estimate, problem = Estimate(start), Problem(grey, names, pixel_noise=pixel_noise)
+    estimate, problem = Estimate(start), Problem(grey, names)
     if target is not None:
         plan = parse_target(target) if isinstance(target, str) else target
         found = target_pairs(grey, start, plan, target_thickness)
@@ -123,7 +133,7 @@ def register(
                 "give features or points to find the place by."
             )
         pairs.append(found)
-    problem = Problem(grey, names, (), pairs, pixel_noise)
+    problem = Problem(grey, names, (), pairs)
     if wanted:
         estimate, groups, problem = from_features(mesh, wanted, estimate, problem, search)
     else:
@@ -155,7 +165,7 @@ def _inside(image: Image, pairs: Pairs) -> Pairs:
 
 def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Group]) -> Registration:
     names = problem.names
-    covariance, noises = covariance_of(groups, problem.pixel_noise)
+    covariance, noises = covariance_of(groups)
     covariance = covariance[: len(names), : len(names)]
     deviations = dict(zip(names, map(float, np.sqrt(np.diag(covariance))), strict=True))
     check_known(names, list(deviations.values()), estimate.camera)

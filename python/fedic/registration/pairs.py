@@ -27,11 +27,17 @@ class Pairs:
         Where they are seen.
     placed : bool
         Whether the points are in the frame of the mesh.
+    noise : float
+        Standard deviation of a coordinate of a pixel: as far as it is known, else as it is expected.
+    known : bool
+        Whether it is known; if not, it comes from what is left.
     """
 
     points: Floats
     pixels: Floats
     placed: bool = True
+    noise: float = 0.5
+    known: bool = False
 
 
 @dataclass(frozen=True)

@@ -41,15 +41,12 @@ class Problem:
         Features whose edges count.
     pairs : sequence of Pairs
         Points that count.
-    pixel_noise : float, optional
-        Standard deviation of a coordinate of the pairs' pixels; from what is left if not given.
     """
 
     image: Image
     names: tuple[str, ...]
     strips: Sequence[Strip] = ()
     pairs: Sequence[Pairs] = ()
-    pixel_noise: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +65,8 @@ class Group:
         Standard deviation, in pixels, of one of them.
     edge : Edge, optional
         Where the rows come from an edge.
+    known : bool
+        Whether the noise is known and not to be taken from the residuals.
     """
 
     residuals: Floats
@@ -75,6 +74,7 @@ class Group:
     used: NDArray[np.bool_]
     noise: float
     edge: Edge | None = None
+    known: bool = False
 
 
 def unknowns_of(estimate: Estimate, names: tuple[str, ...]) -> tuple[str, ...]:
@@ -87,7 +87,8 @@ def pair_groups(estimate: Estimate, problem: Problem) -> list[Group]:
     groups = []
     for pairs in problem.pairs:
         residuals, jacobian = pair_rows(estimate.camera, estimate.place, pairs, problem.names)
-        groups.append(Group(residuals, jacobian, np.ones(len(residuals), dtype=bool), problem.pixel_noise or 1.0))
+        used = np.ones(len(residuals), dtype=bool)
+        groups.append(Group(residuals, jacobian, used, pairs.noise, known=pairs.known))
     return groups
 
 

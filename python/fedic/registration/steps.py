@@ -25,6 +25,7 @@ _BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
 """Part of the pieces of a feature that must show an edge."""
 _POOREST_EDGE_PX = 3.0
+_UNSETTLED_PX = 0.1
 _LEAST_IN_IMAGE = 0.3
 _POSE = 6
 
@@ -65,7 +66,7 @@ def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, 
     CameraError
         If that is to be decided and the start does not see the mesh.
     """
-    readings = [Pairs(place.carry(found.points), found.pixels)]
+    readings = [replace(found, points=place.carry(found.points), placed=True)]
     if not turned:
         return readings[0]
     nodes = used_points(mesh)
@@ -76,9 +77,8 @@ def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, 
             "see the mesh; give a rough pose."
         )
     ends = found.points.min(axis=0) + found.points.max(axis=0)
-    readings.append(
-        Pairs(place.carry(np.array([-1.0, -1.0, 1.0]) * found.points + ends * [1.0, 1.0, 0.0]), found.pixels)
-    )
+    upside_down = np.array([-1.0, -1.0, 1.0]) * found.points + ends * [1.0, 1.0, 0.0]
+    readings.append(replace(found, points=place.carry(upside_down), placed=True))
 
     def distance(reading: Pairs) -> float:
         camera = from_pairs(start, replace(problem, pairs=[reading])).camera
@@ -98,7 +98,7 @@ def on_plane_of_target(mesh: Mesh, estimate: Estimate, problem: Problem, pairs: 
     """
     if len(problem.names) < _POSE:
         raise CameraError("free: a target whose place on the mesh is unknown determines all of rx ry rz tx ty tz.")
-    alone = replace(problem, pairs=(Pairs(pairs.points, pairs.pixels),))
+    alone = replace(problem, pairs=(replace(pairs, placed=True),))
     on_target, start = from_pairs(estimate, alone).camera, estimate.camera
     assert isinstance(on_target, Pinhole)
     assert isinstance(start, Pinhole)
@@ -137,8 +137,13 @@ def from_features(
         camera = nearby(problem.image, estimate.camera, problem.strips, names, search)
         near = Estimate(camera) if estimate.place is None else _back_on_plane(mesh, estimate, camera)
     problem = replace(problem, strips=_strips(mesh, wanted, problem.image, near.camera, search))
-    estimate, groups = fit_edges(near, problem)
+    estimate, groups, motion = fit_edges(near, problem)
     _check_found(problem.strips, groups, search)
+    if motion > _UNSETTLED_PX:
+        raise SolveError(
+            f"The features do not come to rest on their edges: the last step still moved them by {motion:.2g} px. Give "
+            "other or more features, or hold parameters with free=(...)."
+        )
     check_determined(groups, unknowns)
     return estimate, groups, problem
 

@@ -19,6 +19,7 @@ __all__ = ["start_on_target", "target_pairs"]
 _SMOOTHINGS = (0.0, 1.5, 3.0)
 """In pixels: speckles around a target mislead its detection, in an image smoothed no longer."""
 _FARTHEST_PX = 1.0
+_NOISE_PX = 0.05
 
 
 def target_pairs(image: Image, camera: Placeable, plan: Target, thickness: float) -> Pairs:
@@ -64,7 +65,7 @@ def target_pairs(image: Image, camera: Placeable, plan: Target, thickness: float
             pose = _pose(camera, seen)
         error = np.inf if pose is None else _misfit(pose, seen)
         if error <= _FARTHEST_PX:
-            return Pairs(seen.points + np.array([0.0, 0.0, thickness]), seen.pixels, placed=False)
+            return Pairs(seen.points + np.array([0.0, 0.0, thickness]), seen.pixels, placed=False, noise=_NOISE_PX)
         faults.append(
             f"a grid like it is seen, but no pose of this camera brings its points closer than {error:.2g} px: "
             "speckles taken for the target, a bent target, or another calibration"
