@@ -19,15 +19,15 @@ class Plate:
     """Speckles on the plate, one level around it, 0 to 1."""
 
     def __init__(self, ground: float, seed: int = 0, size: float = 0.4) -> None:
-        self._speckle = fedic.synthetic.Speckle(size, seed=seed)
-        self._ground = ground
+        self._speckle, self._ground = fedic.synthetic.Speckle(size), ground
+        self._elsewhere = seed * np.array([137.3, 211.9])  # another part of the texture for each plate
 
     def values(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         x, y = np.asarray(points)[:, 0], np.asarray(points)[:, 1]
         inside = np.minimum(np.minimum(x, LENGTH - x), np.minimum(y, WIDTH - y))
         inside = np.minimum(inside, np.hypot(x - CENTRE[0], y - CENTRE[1]) - RADIUS)
         covered = 0.5 * (1.0 + np.tanh(1.2 * inside / (EDGE * np.sqrt(2.0))))
-        return self._ground + covered * (self._speckle.values(points) - self._ground)
+        return self._ground + covered * (self._speckle.values(points[:, :2] + self._elsewhere) - self._ground)
 
 
 def plate_mesh(cell: str = "quad", divisions: int = 16) -> fedic.Mesh:

@@ -81,7 +81,7 @@ def covariance_of(groups: Sequence[Group]) -> tuple[Floats, list[float]]:
 
     Least squares with the noise of each group from its own residuals, less the freedom the unknowns take away. The
     errors of neighbouring pieces of an edge are correlated where speckles are as long as the pieces: the variance of a
-    feature is enlarged by the sum of the correlations of its residuals.
+    feature is enlarged by the sum of the correlations of its residuals, and for the levels that neighbours share.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def covariance_of(groups: Sequence[Group]) -> tuple[Floats, list[float]]:
         freedom = len(left) - taken
         variance = float(left @ left) / freedom if freedom > 1e-6 * len(left) else np.nan
         if group.edge is not None:
-            variance *= _correlation_length(np.where(group.used, group.residuals, np.nan))
+            variance *= group.edge.inflation * _correlation_length(np.where(group.used, group.residuals, np.nan))
         noises[index] = float(np.sqrt(variance))
     if not np.isfinite(noises).all():
         return np.full_like(inverse, np.nan), noises

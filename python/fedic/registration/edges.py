@@ -76,12 +76,16 @@ class Edge:
         Where it is seen.
     jacobian : ndarray, shape (b, p)
         Derivatives of the feature's position across itself by the free parameters.
+    inflation : float
+        Variance of the mean distance over that which the scatter of the pieces shows: the levels of the two sides come
+        from a band of finite width and from neighbouring pieces together.
     """
 
     distances: Floats
     valid: NDArray[np.bool_]
     pixels: Floats
     jacobian: Floats
+    inflation: float
 
 
 def prepare_strip(name: str, mesh: Mesh, samples: Samples, camera: Placeable) -> Strip:
@@ -146,8 +150,10 @@ def measure_edge(
     valid = np.isfinite(distances) & (np.abs(distances) <= 1.5 * reach)
     valid &= np.nan_to_num(step) * np.sign(typical) > _SMALLEST_STEP * abs(typical)
     mean_normals = strip.block_means(normals)
+    # The sum over the reach and the level times the reach have variances as the reach over the band.
+    inflation = (1.0 + reach / band) / (1.0 + reach / band / (2 * _NEIGHBOURS + 1))
     found = strip.block_means(centres) + distances[:, np.newaxis] * mean_normals
-    return Edge(np.where(valid, distances, 0.0), valid, found, across_jacobian(camera, strip, names))
+    return Edge(np.where(valid, distances, 0.0), valid, found, across_jacobian(camera, strip, names), inflation)
 
 
 def across_jacobian(camera: Placeable, strip: Strip, names: tuple[str, ...]) -> Floats:

@@ -20,6 +20,7 @@ __all__ = ["fit_edges", "fit_pairs"]
 
 _STAGES = ((24.0, 16.0, 6, 0.2), (12.0, 16.0, 8, 0.05), (3.0, 8.0, 40, 1e-3))
 """Reach and band in pixels, most iterations, and the motion in pixels below which the stage is over."""
+_FULL_STEPS = 10
 _CAUCHY, _TUKEY = 2.4, 4.7
 _SMALLEST_NOISE = 0.01
 _REWEIGHTINGS = 8
@@ -84,10 +85,11 @@ def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Grou
         stage = replace(problem, names=names or problem.names)
         if index == 1:
             _check_known(estimate, stage, reach, band)
-        for _ in range(iterations):
+        for iteration in range(iterations):
             groups = _measured(estimate, stage, reach, band)
             step, groups = _robust_step(groups, cutoff)
-            estimate = estimate.moved(stage.names, step)
+            # Pieces that count and do not count in turn would keep the fit swinging between two places.
+            estimate = estimate.moved(stage.names, step * 0.5 ** (iteration // _FULL_STEPS))
             motion = max(float(np.abs(group.jacobian @ step).max()) for group in groups)
             if motion <= enough:
                 break

@@ -25,7 +25,7 @@ _BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
 """Part of the pieces of a feature that must show an edge."""
 _POOREST_EDGE_PX = 3.0
-_UNSETTLED_PX = 0.1
+_UNSETTLED_PX = 0.5
 _LEAST_IN_IMAGE = 0.3
 _POSE = 6
 
@@ -141,7 +141,7 @@ def from_features(
     _check_found(problem.strips, groups, search)
     if motion > _UNSETTLED_PX:
         raise SolveError(
-            f"The features do not come to rest on their edges: the last step still moved them by {motion:.2g} px. Give "
+            f"The features do not come to rest on their edges: the last step was still {motion:.2g} px. Give "
             "other or more features, or hold parameters with free=(...)."
         )
     check_determined(groups, unknowns)
