@@ -30,6 +30,7 @@ def same(found: Any, expected: Any) -> None:
         fedic.Pinhole((900, 905), (325, 236), VECTOR, (1, 2, 100)),
         fedic.Pinhole((900, 905), (325, 236), VECTOR, (1, 2, 100), 1.5, LENS),
         fedic.FrontParallel(12.5, (3.0, 400.0)),
+        fedic.FrontParallel(12.5, (3.0, 400.0), -0.7),
         fedic.ImageFrame(),
     ],
 )

@@ -92,6 +92,12 @@ def test_simple_cameras() -> None:
     np.testing.assert_array_equal(camera.project(points), [[130, 160], [90, 195]])
     np.testing.assert_array_equal(camera.jacobian(points)[0], [[10, 0, 0], [0, -10, 0]])
     np.testing.assert_allclose(camera.unproject(camera.project(points), z=2.0), np.c_[points, [2.0, 2.0]], atol=1e-14)
+    turned = fedic.FrontParallel(10.0, (100.0, 200.0), angle=np.pi / 2)
+    np.testing.assert_allclose(turned.project(points), [[60, 170], [95, 210]], atol=1e-12)
+    np.testing.assert_allclose(turned.jacobian(points)[0], [[0, -10, 0], [-10, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(turned.unproject(turned.project(points), z=2.0), np.c_[points, [2.0, 2.0]], atol=1e-14)
+    assert (camera.angle, turned.angle) == (0.0, np.pi / 2)
+    assert repr(turned) == "FrontParallel(scale=10, origin=(100.0, 200.0), angle=1.5707963267948966)"
 
 
 def test_rotation_vector_and_matrix_are_the_same_camera() -> None:
@@ -106,6 +112,7 @@ def test_rotation_vector_and_matrix_are_the_same_camera() -> None:
     [
         fedic.ImageFrame(),
         fedic.FrontParallel(2.5, (1.0, 2.0)),
+        fedic.FrontParallel(2.5, (1.0, 2.0), 0.3),
         fedic.Pinhole(
             (9, 8), (7, 6), [0.1, 0.2, 0.3], (1, 2, 3), 1.5, fedic.BrownDistortion((1, 2, 3), (4, 5), (6, 7))
         ),
@@ -120,6 +127,7 @@ def test_cameras_can_be_pickled(camera: object) -> None:
     [
         (lambda: fedic.FrontParallel(0.0), "scale .* must be positive, got 0"),
         (lambda: fedic.FrontParallel(float("nan")), "scale is not finite"),
+        (lambda: fedic.FrontParallel(1.0, angle=float("inf")), "angle is not finite"),
         (lambda: fedic.Pinhole((1000, -1), (0, 0)), "focal length .* must be positive, got -1"),
         (lambda: fedic.Pinhole((1000, 1), (float("nan"), 0)), "principal_point is not finite"),
         (lambda: fedic.Pinhole((1, 1), (0, 0), translation=(0, 0, float("inf"))), "translation is not finite"),

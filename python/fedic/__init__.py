@@ -31,6 +31,7 @@ from fedic.gmsh_meshing import unstructured_mesh
 from fedic.images import read_image
 from fedic.meshes import read_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
+from fedic.registration import Registration, boundary_features, register
 from fedic.result import Iteration, Result
 from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
 
@@ -52,11 +53,13 @@ __all__ = [
     "MeshQuadrature",
     "Pinhole",
     "PixelQuadrature",
+    "Registration",
     "Result",
     "SolveError",
     "SpecimenCalibration",
     "SplineDistortion",
     "__version__",
+    "boundary_features",
     "calibrate",
     "calibrate_on_specimen",
     "correlate",
@@ -64,6 +67,7 @@ __all__ = [
     "read_image",
     "read_mesh",
     "rectangle_mesh",
+    "register",
     "synthetic",
     "unstructured_mesh",
     "write_camera",

@@ -1,4 +1,4 @@
-"""The command line: ``fedic run``, ``fedic calibrate``, ``fedic demo`` and ``fedic experiment``."""
+"""The command line: ``fedic run``, ``calibrate``, ``register``, ``demo`` and ``experiment``."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fedic.calibration import Calibration
     from fedic.demo import Demo
     from fedic.experiments import Outcome
+    from fedic.registration import Registration
     from fedic.run import Frame
 
 __all__ = ["app"]
@@ -117,6 +118,69 @@ def calibrate_command(
         if picture is not None:
             calibration.plot(picture)
         typer.echo(f"Camera {'replaced in' if existed else 'written to'} {output}")
+
+
+@app.command("register")
+def register_command(
+    mesh: Annotated[Path, typer.Argument(metavar="MESH", help="The mesh.")],
+    image: Annotated[Path, typer.Argument(metavar="IMAGE", help="The specimen, as in the reference image.")],
+    camera: Annotated[Path, typer.Argument(metavar="CAMERA", help="The rough start, a file as fedic writes it.")],
+    feature: Annotated[
+        list[str] | None,
+        typer.Option("--feature", help="A piece of the mesh's boundary, such as 'left' or 'hole 0'; may be repeated."),
+    ] = None,
+    points: Annotated[
+        Path | None, typer.Option("--points", help="Text file of pairs, a line each: X Y u v or X Y Z u v.")
+    ] = None,
+    target: Annotated[str | None, typer.Option("--target", help="On the specimen, such as chessboard:7x4:2.")] = None,
+    target_origin: Annotated[
+        tuple[float, float] | None, typer.Option("--target-origin", help="Where its origin is on the mesh.")
+    ] = None,
+    target_angle: Annotated[float, typer.Option("--target-angle", help="Of its X axis on the mesh, in radians.")] = 0.0,
+    target_thickness: Annotated[
+        float, typer.Option("--target-thickness", help="Height of its face above the mesh.")
+    ] = 0.0,
+    free: Annotated[
+        list[str] | None, typer.Option("--free", help="A parameter to find; may be repeated. All if left out.")
+    ] = None,
+    search: Annotated[float, typer.Option("--search", help="How far to look for the features, in pixels.")] = 60.0,
+    output: Annotated[Path, typer.Option("--output", help=".toml, or .yml, .yaml, .xml for OpenCV.")] = Path(
+        "registered.toml"
+    ),
+    picture: Annotated[
+        Path | None, typer.Option("--picture", help="The mesh over the image with the edges found, a .png file.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the output file if it exists.")] = False,
+) -> None:
+    """Place a mesh in an image by its edges, by points, or by a target on the specimen."""
+    with _faults_reported():
+        from fedic.calibration.picture import check_picture
+        from fedic.camera_files import check_writable, read_camera
+        from fedic.images import read_image
+        from fedic.meshes import read_mesh
+        from fedic.registration import read_pairs, register
+
+        check_writable(output, overwrite=overwrite)
+        if picture is not None:
+            check_picture(picture)
+        registration = register(
+            read_mesh(mesh),
+            read_image(image),
+            read_camera(camera),
+            points=None if points is None else read_pairs(points),
+            features=feature or (),
+            target=target,
+            target_origin=target_origin,
+            target_angle=target_angle,
+            target_thickness=target_thickness,
+            free=free,
+            search=search,
+        )
+        _print_registration(registration)
+        registration.write(output, overwrite=overwrite)
+        if picture is not None:
+            registration.plot(picture)
+        typer.echo(f"Camera written to {output}")
 
 
 @app.command("demo")
@@ -224,6 +288,30 @@ def _print_calibration(calibration: "Calibration") -> None:
     console.print(table)
     for sentence in calibration.advice:
         console.print(f"Advice: {sentence}", highlight=False, markup=False)
+
+
+def _print_registration(registration: "Registration") -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    if registration.features:
+        table = Table(title="Edges in the image from the features of the mesh, in pixels")
+        for heading in ("feature", "pieces", "median", "rms"):
+            table.add_column(heading, justify="left" if heading == "feature" else "right", no_wrap=True)
+        for name, found in registration.features.items():
+            counts = f"{found.used.sum()}/{len(found.used)}"
+            table.add_row(name, counts, f"{found.median:.2f}", f"{found.rms:.2f}")
+        console.print(table)
+    if len(registration.residuals):
+        lengths = (registration.residuals**2).sum(axis=1) ** 0.5
+        console.print(f"{len(lengths)} points: {lengths.mean():.3f} px on average, {lengths.max():.3f} px at most")
+    table = Table(title="Pose")
+    for heading in ("parameter", "standard deviation"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for name, deviation in registration.standard_deviations.items():
+        table.add_row(name, f"{deviation:.2g}")
+    console.print(table)
 
 
 def _print_demo(demo: "Demo") -> None:

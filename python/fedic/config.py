@@ -155,10 +155,11 @@ class FrontParallelSection(_Section):
     model: Literal["front-parallel"]
     scale: Positive
     origin: tuple[Real, Real] = (0.0, 0.0)
+    angle: Real = 0.0
 
     def build(self) -> Camera:
         """Make the camera."""
-        return FrontParallel(self.scale, self.origin)
+        return FrontParallel(self.scale, self.origin, self.angle)
 
 
 class DistortionSection(_Section):

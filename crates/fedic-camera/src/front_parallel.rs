@@ -2,11 +2,15 @@
 
 use crate::{Camera, CameraError};
 
-/// Front-parallel view without distortion: `u = u0 + k X`, `v = v0 - k Y` (paper, eq. 18).
+/// Front-parallel view without distortion: `u = u0 + k X`, `v = v0 - k Y` (paper, eq. 18), where the world's axes may be
+/// turned in the image by an angle `a`: `u = u0 + k (cos a X - sin a Y)`, `v = v0 - k (sin a X + cos a Y)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontParallel {
     scale: f64,
     origin: [f64; 2],
+    angle: f64,
+    /// `k cos a` and `k sin a`.
+    turn: [f64; 2],
 }
 
 impl FrontParallel {
@@ -34,7 +38,30 @@ impl FrontParallel {
         if scale <= 0.0 {
             return Err(CameraError::NotPositive { parameter: "scale (pixels per unit)", value: scale });
         }
-        Ok(Self { scale, origin })
+        Ok(Self { scale, origin, angle: 0.0, turn: [scale, 0.0] })
+    }
+
+    /// The same view with the world turned counter-clockwise in the image by `angle`, in radians, about its origin.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] where the angle is not finite.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fedic_camera::{Camera, FrontParallel};
+    /// let camera = FrontParallel::new(10.0, [100.0, 200.0])?.with_angle(std::f64::consts::FRAC_PI_2)?;
+    /// let [u, v] = camera.project([1.0, 2.0, 0.0]);
+    /// assert!((u - 80.0).abs() < 1e-12 && (v - 190.0).abs() < 1e-12);
+    /// # Ok::<(), fedic_camera::CameraError>(())
+    /// ```
+    pub fn with_angle(self, angle: f64) -> Result<Self, CameraError> {
+        if !angle.is_finite() {
+            return Err(CameraError::NonFinite { parameter: "angle" });
+        }
+        let (sin, cos) = angle.sin_cos();
+        Ok(Self { angle, turn: [self.scale * cos, self.scale * sin], ..self })
     }
 
     /// Pixels per world unit.
@@ -46,17 +73,24 @@ impl FrontParallel {
     pub fn origin(&self) -> [f64; 2] {
         self.origin
     }
+
+    /// Angle by which the world is turned counter-clockwise in the image, in radians.
+    pub fn angle(&self) -> f64 {
+        self.angle
+    }
 }
 
 impl Camera for FrontParallel {
     #[inline]
     fn project(&self, [x, y, _]: [f64; 3]) -> [f64; 2] {
-        [self.origin[0] + self.scale * x, self.origin[1] - self.scale * y]
+        let [cos, sin] = self.turn;
+        [self.origin[0] + (cos * x - sin * y), self.origin[1] - (sin * x + cos * y)]
     }
 
     #[inline]
     fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
-        (self.project(point), [[self.scale, 0.0, 0.0], [0.0, -self.scale, 0.0]])
+        let [cos, sin] = self.turn;
+        (self.project(point), [[cos, -sin, 0.0], [-sin, -cos, 0.0]])
     }
 
     fn constant_jacobian(&self) -> Option<[[f64; 3]; 2]> {
@@ -64,6 +98,8 @@ impl Camera for FrontParallel {
     }
 
     fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {
-        [(u - self.origin[0]) / self.scale, (self.origin[1] - v) / self.scale, z]
+        let [right, up] = [u - self.origin[0], self.origin[1] - v];
+        let [cos, sin] = self.turn.map(|entry| entry / self.scale);
+        [(cos * right + sin * up) / self.scale, (cos * up - sin * right) / self.scale, z]
     }
 }

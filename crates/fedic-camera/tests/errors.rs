@@ -34,6 +34,8 @@ fn parameters_that_are_not_finite_are_refused() {
         }
         refused(FrontParallel::new(bad, [0.0; 2]), not_finite("scale"), "the camera's scale is not finite");
         refused(FrontParallel::new(1.0, [0.0, bad]), not_finite("origin"), "the camera's origin is not finite");
+        let upright = FrontParallel::new(1.0, [0.0; 2]).unwrap();
+        refused(upright.with_angle(bad), not_finite("angle"), "the camera's angle is not finite");
         let lenses = [
             (BrownDistortion::new([0.0, 0.0, bad], [0.0; 2], [0.0; 2]), "radial distortion"),
             (BrownDistortion::new([0.0; 3], [bad, 0.0], [0.0; 2]), "decentering"),

@@ -69,6 +69,39 @@ fn pixels_count_to_the_right_and_downwards() {
     assert_eq!((camera.scale(), camera.origin()), (10.0, [100.0, 200.0]));
 }
 
+proptest! {
+    #[test]
+    fn a_turned_front_parallel_view_is_a_far_pinhole(
+        scale in 1.0..1000.0_f64,
+        origin in [-500.0..1500.0, -500.0..1500.0],
+        angle in -4.0..4.0_f64,
+        point in any_point(),
+    ) {
+        let camera = FrontParallel::new(scale, origin).unwrap().with_angle(angle).unwrap();
+        prop_assert_eq!(camera.angle(), angle);
+        // X to the right, Y upwards, Z towards the camera, turned about Z first; focal length over distance is the scale.
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle).into_inner();
+        let rotation = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)) * turn;
+        let rows = std::array::from_fn(|r| std::array::from_fn(|c| rotation[(r, c)]));
+        let pinhole = Pinhole::new([2.0 * scale; 2], origin, rows, [0.0, 0.0, 2.0]).unwrap();
+        let flat = [point[0], point[1], 0.0];
+        let ([u, v], [a, b]) = (camera.project(flat), pinhole.project(flat));
+        prop_assert!((u - a).abs() < 1e-10 && (v - b).abs() < 1e-10, "{u} {v} {a} {b}");
+    }
+
+    #[test]
+    fn without_an_angle_the_view_is_that_of_equation_18(
+        scale in 1.0..1000.0_f64,
+        [u0, v0] in [-500.0..1500.0, -500.0..1500.0],
+        [x, y, z] in any_point(),
+    ) {
+        let camera = FrontParallel::new(scale, [u0, v0]).unwrap();
+        prop_assert_eq!(camera.project([x, y, z]), [u0 + scale * x, v0 - scale * y]);
+        prop_assert_eq!(camera.constant_jacobian(), Some([[scale, 0.0, 0.0], [0.0, -scale, 0.0]]));
+        prop_assert_eq!(camera.with_angle(0.0).unwrap(), camera);
+    }
+}
+
 #[test]
 fn points_behind_the_camera_are_not_seen() {
     let lens = BrownDistortion::new([0.1, 0.0, 0.0], [0.01, 0.0], [0.0, 0.01]).unwrap();

@@ -265,12 +265,16 @@ camera_methods!(ImageFrame {
 
 /// Front-parallel view without distortion: ``u = u0 + k X``, ``v = v0 - k Y`` (paper, eq. 18).
 ///
+/// With an angle ``a`` it is ``u = u0 + k (cos a X - sin a Y)``, ``v = v0 - k (sin a X + cos a Y)``.
+///
 /// Parameters
 /// ----------
 /// scale : float
 ///     ``k``, pixels per world unit.
 /// origin : (u0, v0)
 ///     Image point of the world's origin.
+/// angle : float
+///     ``a``, by which the world is turned counter-clockwise in the image, in radians.
 ///
 /// Raises
 /// ------
@@ -282,9 +286,13 @@ pub(crate) struct FrontParallel(fedic::FrontParallel);
 
 camera_methods!(FrontParallel {
     #[new]
-    #[pyo3(signature = (scale, origin=[0.0, 0.0]), text_signature = "(scale, origin=(0.0, 0.0))")]
-    fn new(scale: f64, origin: [f64; 2]) -> PyResult<Self> {
-        fedic::FrontParallel::new(scale, origin).map(Self).map_err(IntoPyErr::into_py_err)
+    #[pyo3(
+        signature = (scale, origin=[0.0, 0.0], angle=0.0),
+        text_signature = "(scale, origin=(0.0, 0.0), angle=0.0)"
+    )]
+    fn new(scale: f64, origin: [f64; 2], angle: f64) -> PyResult<Self> {
+        let upright = fedic::FrontParallel::new(scale, origin);
+        upright.and_then(|camera| camera.with_angle(angle)).map(Self).map_err(IntoPyErr::into_py_err)
     }
 
     /// Pixels per world unit.
@@ -299,12 +307,18 @@ camera_methods!(FrontParallel {
         self.0.origin().into()
     }
 
-    fn __getnewargs__(&self) -> (f64, (f64, f64)) {
-        (self.scale(), self.origin())
+    /// Angle by which the world is turned counter-clockwise in the image, in radians.
+    #[getter]
+    fn angle(&self) -> f64 {
+        self.0.angle()
+    }
+
+    fn __getnewargs__(&self) -> (f64, (f64, f64), f64) {
+        (self.scale(), self.origin(), self.angle())
     }
 
     fn __repr__(&self) -> String {
-        format!("FrontParallel(scale={}, origin={:?})", self.scale(), self.origin())
+        format!("FrontParallel(scale={}, origin={:?}, angle={})", self.scale(), self.origin(), self.angle())
     }
 });
 

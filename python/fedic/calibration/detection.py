@@ -42,6 +42,9 @@ def find_target(image: Image, target: Target) -> Observation:
     NotFoundError
         If the target is not there.
     """
+    import cv2
+
+    cv2.setRNGSeed(0)  # the searches draw from OpenCV's generator; the same image must give the same points
     grey = _eight_bits(image)
     if target.kind == "charuco":
         return _find_charuco(grey, target)

@@ -45,7 +45,8 @@ def _content(path: Path, camera: Camera) -> dict[str, object]:
     if isinstance(camera, ImageFrame):
         return {"model": "image-frame"}
     if isinstance(camera, FrontParallel):
-        return {"model": "front-parallel", "scale": camera.scale, "origin": list(camera.origin)}
+        values = {"scale": camera.scale, "origin": list(camera.origin), "angle": camera.angle}
+        return {"model": "front-parallel", **values}
     if isinstance(camera, Pinhole):
         return {
             "model": "pinhole",

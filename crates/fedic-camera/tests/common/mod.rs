@@ -64,8 +64,8 @@ pub(crate) fn any_brown_pinhole() -> impl Strategy<Value = Pinhole> {
 }
 
 pub(crate) fn any_front_parallel() -> impl Strategy<Value = FrontParallel> {
-    (1.0..1000.0, [-500.0..1500.0, -500.0..1500.0])
-        .prop_map(|(scale, origin)| FrontParallel::new(scale, origin).unwrap())
+    (1.0..1000.0, [-500.0..1500.0, -500.0..1500.0], prop_oneof![Just(0.0), -4.0..4.0])
+        .prop_map(|(scale, origin, angle)| FrontParallel::new(scale, origin).unwrap().with_angle(angle).unwrap())
 }
 
 /// A world point that these cameras see.

@@ -1,0 +1,191 @@
+"""`register`: the pose of a mesh from point pairs, edges in the image, or a target."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fedic._core import Mesh
+from fedic._types import Camera, Floats, Image
+from fedic.calibration.target import Target, parse_target
+from fedic.errors import CameraError
+from fedic.images import as_image
+from fedic.registration.covariance import check_determined, check_known, covariance_of
+from fedic.registration.features import BoundaryFeature, chosen_features, listed_features
+from fedic.registration.pairs import Pairs, Place, checked_pairs
+from fedic.registration.pose import free_parameters, placeable
+from fedic.registration.problem import Estimate, Group, Problem, pair_groups, unknowns_of
+from fedic.registration.result import FeatureDistances, Registration
+from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, read_as_placed
+from fedic.registration.target import target_pairs
+
+__all__ = ["register"]
+
+Features: TypeAlias = Sequence[str | BoundaryFeature]
+
+_FEWEST_TO_JUDGE = 6
+"""Points beside other data from which their noise is taken from what is left."""
+_EXPECTED_NOISE_PX = 0.5
+
+
+def register(
+    mesh: Mesh,
+    image: Image,
+    camera: Camera,
+    *,
+    points: tuple[ArrayLike, ArrayLike] | None = None,
+    features: Features = (),
+    target: str | Target | None = None,
+    target_origin: tuple[float, float] | None = None,
+    target_angle: float = 0.0,
+    target_thickness: float = 0.0,
+    free: Sequence[str] | None = None,
+    pixel_noise: float | None = None,
+    search: float = 60.0,
+) -> Registration:
+    """Find where a mesh is in an image: the pose of a camera in the frame of the mesh.
+
+    From any of three sources, or several together: points of the mesh and the pixels they are seen at; features of the
+    mesh's boundary, whose edges are looked for in the image around a rough start; a calibration target that lies on the
+    specimen. With a front-parallel camera the scale is found too; with a pinhole it comes from the calibration, and the
+    lens and the focal lengths are kept.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    image : ndarray, shape (height, width)
+        The specimen, as in the reference image of the measurement.
+    camera : FrontParallel or Pinhole
+        The rough start; for a pinhole also the calibration. The whole pose of a pinhole from four points in a plane or
+        more does not depend on the start; with a target whose place on the mesh is given, the start only tells which
+        way up the target is.
+    points : (array_like (m, 2) or (m, 3), array_like (m, 2)), optional
+        Points in the frame of the mesh, and their pixels ``(u, v)``.
+    features : sequence of str or BoundaryFeature
+        Pieces of the boundary, see `fedic.boundary_features`.
+    target : str or Target, optional
+        Such as ``"chessboard:11x7:8"``, see `fedic.calibration.parse_target`, in the unit of the mesh; for a pinhole.
+    target_origin : (float, float), optional
+        Where the origin of the target (`fedic.calibration.Target`) is in the frame of the mesh. If not given, the
+        target gives the plane of the specimen, and features or points the place in it.
+    target_angle : float
+        Angle from the X axis of the mesh to that of the target, in radians, where its origin is given.
+    target_thickness : float
+        Height of the printed face above the plane Z = 0 of the mesh, in the mesh's unit.
+    free : sequence of str, optional
+        The parameters to find: of ``u0 v0 angle scale`` (front-parallel), or of ``rx ry rz tx ty tz`` (pinhole:
+        rotations about the camera's axes, translation). All if not given.
+    pixel_noise : float, optional
+        Standard deviation of a coordinate of a given point's pixel. If not given it comes from the residuals, or,
+        beside features or a target, is taken to be 0.5 px where there are fewer than six points.
+    search : float
+        How far, in pixels, the centre of the features may be from where the start puts it, besides a turn of 4 degrees
+        and 6 % of scale; zero if the start is right to some pixels.
+
+    Returns
+    -------
+    Registration
+        The camera, its covariance, and what is left at each feature and point.
+
+    Raises
+    ------
+    CameraError
+        If the camera has no pose, does not see the mesh in the image, or an argument is malformed.
+    MeshError
+        If a feature is unknown.
+    ImageError
+        If a feature or the target is not found in the image.
+    SolveError
+        If the data do not determine the free parameters.
+    """
+    grey = as_image(image, "given")
+    if pixel_noise is not None and not 0.0 < pixel_noise < np.inf:
+        raise CameraError(f"pixel_noise={pixel_noise}: give a positive number of pixels.")
+    start = placeable(camera)
+    names = free_parameters(start, free)
+    wanted = chosen_features(mesh, features)
+    pairs = [] if points is None else [_inside(grey, checked_pairs(points))]
+    if pairs:
+        few = len(pairs[0].points) < _FEWEST_TO_JUDGE and (len(wanted) > 0 or target is not None)
+        known = few or pixel_noise is not None
+        pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]
+    if not pairs and not wanted and target is None:
+        listed = listed_features(mesh)
+        raise CameraError(f"register: give points, features or a target to place the mesh by; the features are{listed}")
+    if not 0.0 <= search < np.inf:
+        raise CameraError(f"search={search}: give a number of pixels, zero or more.")
+
+    estimate, problem = Estimate(start), Problem(grey, names)
+    if target is not None:
+        plan = parse_target(target) if isinstance(target, str) else target
+        found = target_pairs(grey, start, plan, target_thickness)
+        if target_origin is not None:
+            place = _place(target_origin, target_angle)
+            found = read_as_placed(mesh, estimate, problem, found, place, turned=plan.kind != "charuco")
+        elif pairs or wanted:
+            estimate = on_plane_of_target(mesh, estimate, problem, found)
+        else:
+            raise CameraError(
+                "target: it gives the plane of the specimen; say where it lies on the mesh, target_origin=(x, y), or "
+                "give features or points to find the place by."
+            )
+        pairs.append(found)
+    problem = Problem(grey, names, (), pairs)
+    if wanted:
+        estimate, groups, problem = from_features(mesh, wanted, estimate, problem, search)
+    else:
+        estimate = from_pairs(estimate, problem)
+        groups = pair_groups(estimate, problem)
+        check_determined(groups, unknowns_of(estimate, names))
+    return _assembled(mesh, estimate, problem, groups)
+
+
+def _place(origin: tuple[float, float], angle: float) -> Place:
+    values = np.array([*origin, angle], dtype=np.float64)
+    if values.shape != (3,) or not np.isfinite(values).all():
+        raise CameraError(f"target_origin={origin}, target_angle={angle}: give (x, y) and an angle, all finite.")
+    return Place(*map(float, values))
+
+
+def _inside(image: Image, pairs: Pairs) -> Pairs:
+    height, width = image.shape
+    outside = np.any((pairs.pixels < -0.5) | (pairs.pixels > np.array([width, height]) - 0.5), axis=1)
+    if outside.any():
+        number = int(outside.argmax())
+        u, v = pairs.pixels[number]
+        raise CameraError(
+            f"points: pixel number {number} at ({u:g}, {v:g}) is out of the image of {width} x {height} px; give "
+            "(u, v), the column first."
+        )
+    return pairs
+
+
+def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Group]) -> Registration:
+    names = problem.names
+    covariance, noises = covariance_of(groups)
+    covariance = covariance[: len(names), : len(names)]
+    deviations = dict(zip(names, map(float, np.sqrt(np.diag(covariance))), strict=True))
+    check_known(names, list(deviations.values()), estimate.camera)
+    found = {
+        strip.name: FeatureDistances(strip.name, group.edge.pixels, group.residuals, group.used, noise)
+        for strip, group, noise in zip(problem.strips, groups, noises, strict=False)
+        if group.edge is not None
+    }
+    points, pixels = _points(estimate, problem)
+    residuals = pixels - estimate.camera.project(points)
+    return Registration(
+        estimate.camera, names, covariance, deviations, found, points, pixels, residuals, mesh, problem.image
+    )
+
+
+def _points(estimate: Estimate, problem: Problem) -> tuple[Floats, Floats]:
+    """Return all points in the frame of the mesh, and their pixels."""
+    points, pixels = [np.empty((0, 3))], [np.empty((0, 2))]
+    for pairs in problem.pairs:
+        carried = pairs.placed or estimate.place is None
+        points.append(pairs.points if carried else estimate.place.carry(pairs.points))  # type: ignore[union-attr]
+        pixels.append(pairs.pixels)
+    return np.concatenate(points), np.concatenate(pixels)
