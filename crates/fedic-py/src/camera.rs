@@ -85,17 +85,17 @@ fn covers<'py>(
     Ok(PyArray1::from_iter(py, points.iter().map(|&point| camera.covers(point))))
 }
 
-/// Warns where the projection of points in front of the camera goes beyond what its lens was calibrated for.
+/// Warns where the projection of points goes beyond what the lens was calibrated for. The sentence has no numbers in it, so
+/// that Python shows it once.
 fn warn_of_extrapolation(py: Python<'_>, camera: &dyn Camera, points: &[[f64; 3]]) -> PyResult<()> {
-    let uncovered = points.iter().filter(|&&point| !camera.covers(point)).count();
-    if uncovered == 0 {
+    if points.iter().all(|&point| camera.covers(point)) {
         return Ok(());
     }
-    let message = format!(
-        "{uncovered} of {} points lie outside the domain the lens was calibrated in: it is extrapolated there",
-        points.len()
-    );
-    warn(py, &message)
+    warn(
+        py,
+        "some points lie outside the domain the lens was calibrated in, where it is extrapolated: camera.covers(points) \
+         tells which",
+    )
 }
 
 fn unseen(failed: usize, num_pixels: usize, first: &str, z: f64) -> PyErr {

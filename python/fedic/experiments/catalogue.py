@@ -20,6 +20,7 @@ EXPERIMENTS = (
     "convergence",
     "distortion",
     "specimen",
+    "splines",
 )
 """Names, in the order of the report."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import BrownDistortion, Mesh, Pinhole
-from fedic._types import CellName, Floats
+from fedic._types import CellName, Distortion, Floats
 from fedic.experiments.subjects import LEVELS, SPECKLE, Window, window_mesh
 from fedic.synthetic import Speckle, render
 
@@ -61,7 +61,7 @@ class Scene:
 
     Attributes
     ----------
-    distortion : BrownDistortion
+    distortion : BrownDistortion, SplineDistortion or InverseSplineDistortion
         Of the lens; the paper's unless given.
     focal : float
         Focal length in pixels. The plane is as far away as keeps the scale of the image on the optical axis.
@@ -72,7 +72,7 @@ class Scene:
         Motion of the material along ``u`` and ``v`` in pixels of the optical axis; the paper's unless given.
     """
 
-    distortion: BrownDistortion = field(default_factory=lambda: BrownDistortion(radial=RADIAL))
+    distortion: Distortion = field(default_factory=lambda: BrownDistortion(radial=RADIAL))
     focal: float = FOCAL
     sensor: tuple[int, int, int, int] = (0, 0, WIDTH, HEIGHT)
     pixel_motion: tuple[float, float] = PIXEL_MOTION
