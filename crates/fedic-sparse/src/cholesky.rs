@@ -1,18 +1,21 @@
-//! Sparse Cholesky factorisation through faer: the symbolic part once per pattern, the numeric part per matrix.
+//! Sparse Cholesky factorisation: the symbolic part once per pattern, the numeric part per matrix.
+//!
+//! The numeric part is multifrontal (Duff and Reid 1983): a supernode is eliminated as a dense matrix, and what that leaves for
+//! the rows below is handed up the elimination tree, whose branches are worked on in parallel.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::perm::PermRef;
-use faer::sparse::linalg::amd;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal,
-};
-use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
+use faer::linalg::cholesky::llt::factor::LltError;
 
+use crate::dissection::nested_dissection;
+use crate::factor::Factor;
+use crate::front::Front;
+use crate::graph::Graph;
+use crate::minimum_degree::minimum_degree;
+use crate::runs::{Run, find_runs};
+use crate::symbolic::{NONE, Symbolic};
+use crate::tree::{Task, Tasks, lock};
 use crate::{Pattern, SparseError, SymmetricMatrix};
 
 /// A pivot smaller than this fraction of its diagonal entry says that the unknown is not determined.
@@ -23,16 +26,14 @@ const NEGLIGIBLE_PIVOT: f64 = 1e-10;
 /// The symbolic part of the factorisation: order of the unknowns and pattern of the factor, computed once per pattern.
 #[derive(Debug, Clone)]
 pub struct Cholesky {
-    column_starts: Vec<usize>,
-    row_indices: Vec<usize>,
-    symbolic: Arc<SymbolicCholesky<usize>>,
+    plan: Arc<Plan>,
 }
 
-/// The numeric part: the factor of one matrix.
-#[derive(Debug, Clone)]
-pub struct Factor {
-    symbolic: Arc<SymbolicCholesky<usize>>,
-    values: Vec<f64>,
+/// Where the factor has entries, and who computes them.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) symbolic: Symbolic,
+    pub(crate) tasks: Tasks,
 }
 
 impl Cholesky {
@@ -42,15 +43,38 @@ impl Cholesky {
     ///
     /// [`SparseError::TooLarge`] where the factor cannot be numbered or stored.
     pub fn new(pattern: &Pattern) -> Result<Self, SparseError> {
-        let dofs = pattern.num_dofs();
-        let too_large = |_: FaerError| SparseError::TooLarge { dofs };
-        let (column_starts, row_indices) = columns(pattern);
-        let (forward, inverse) = node_order(pattern).map_err(too_large)?;
-        let lower = SymbolicSparseColMatRef::new_checked(dofs, dofs, &column_starts, None, &row_indices);
-        let order = SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, dofs));
-        let symbolic = factorize_symbolic_cholesky(lower, Side::Lower, order, CholeskySymbolicParams::default())
-            .map_err(too_large)?;
-        Ok(Self { column_starts, row_indices, symbolic: Arc::new(symbolic) })
+        let order = minimum_degree(pattern).map_err(|_| SparseError::TooLarge { dofs: pattern.num_dofs() })?;
+        Self::ordered(pattern, &Graph::new(pattern), &order)
+    }
+
+    /// The same with the nodes ordered by nested dissection; `points` are their coordinates.
+    ///
+    /// # Errors
+    ///
+    /// [`SparseError::TooLarge`] where the factor cannot be numbered or stored.
+    ///
+    /// # Panics
+    ///
+    /// If there is not one point per node.
+    pub fn of_mesh(pattern: &Pattern, points: &[[f64; 3]]) -> Result<Self, SparseError> {
+        assert_eq!(points.len(), pattern.num_nodes(), "one point per node");
+        let graph = Graph::new(pattern);
+        let order = nested_dissection(&graph, points);
+        Self::ordered(pattern, &graph, &order)
+    }
+
+    fn ordered(pattern: &Pattern, graph: &Graph, order: &[u32]) -> Result<Self, SparseError> {
+        if 2 * pattern.num_entries() > u32::MAX as usize {
+            return Err(SparseError::TooLarge { dofs: pattern.num_dofs() });
+        }
+        let symbolic = Symbolic::new(pattern, graph, order);
+        let tasks = Tasks::new(&symbolic);
+        Ok(Self { plan: Arc::new(Plan { symbolic, tasks }) })
+    }
+
+    /// Multiplications, each with an addition, that a factorisation takes, about.
+    pub fn work(&self) -> f64 {
+        (0..self.plan.symbolic.num_supernodes()).map(|supernode| self.plan.symbolic.work(supernode)).sum()
     }
 
     /// Factorises a matrix of the pattern.
@@ -63,121 +87,108 @@ impl Cholesky {
         if !matrix.values().iter().all(|v| v.is_finite()) {
             return Err(SparseError::NonFinite);
         }
-        let dofs = self.symbolic.nrows();
-        let diagonal = |dof: usize| matrix.values()[self.column_starts[dof]];
-        let largest = (0..dofs).map(diagonal).fold(0.0, f64::max);
+        let symbolic = &self.plan.symbolic;
+        let dofs = symbolic.order.len() * symbolic.block;
+        let diagonal = symbolic.diagonal(matrix.values());
+        let largest = diagonal.iter().copied().fold(0.0, f64::max);
         if largest <= 0.0 {
             return Err(SparseError::Singular { dofs: (0..dofs).collect() });
         }
-        let symbolic = SymbolicSparseColMatRef::new_checked(dofs, dofs, &self.column_starts, None, &self.row_indices);
-        // Pivots below the floor are raised to it, so that the factorisation runs to its end and every undetermined
-        // unknown can be named: in a semi-definite matrix the rest of the column vanishes with the pivot.
-        let floor = 0.5 * NEGLIGIBLE_PIVOT * largest;
-        let regularization =
-            LltRegularization { dynamic_regularization_delta: floor, dynamic_regularization_epsilon: floor };
-        let too_large = || SparseError::TooLarge { dofs };
-        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let mut buffer = MemBuffer::try_new(scratch).map_err(|_| too_large())?;
-        let mut values = Vec::new();
-        values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| too_large())?;
-        values.resize(self.symbolic.len_val(), 0.0);
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                SparseColMatRef::new(symbolic, matrix.values()),
-                Side::Lower,
-                regularization,
-                Par::Seq,
-                MemStack::new(&mut buffer),
-                Spec::default(),
-            )
-            .map_err(|_| SparseError::NonFinite)?;
-        let factor = Factor { symbolic: Arc::clone(&self.symbolic), values };
-        let mut singular: Vec<usize> = factor
-            .pivots()
-            .into_iter()
-            .filter(|&(dof, pivot)| !(pivot > VANISHING_PIVOT * diagonal(dof) && pivot > 2.0 * floor))
-            .map(|(dof, _)| dof)
-            .collect();
-        singular.sort_unstable();
-        if singular.is_empty() { Ok(factor) } else { Err(SparseError::Singular { dofs: singular }) }
-    }
-}
-
-impl Factor {
-    /// Unknown and pivot of every column of the factor.
-    fn pivots(&self) -> Vec<(usize, f64)> {
-        let diagonal: Vec<f64> = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(symbolic) => {
-                symbolic.col_ptr()[..symbolic.ncols()].iter().map(|&start| self.values[start]).collect()
-            }
-            SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let factor = supernodal::SupernodalLltRef::new(symbolic, &self.values);
-                (0..symbolic.n_supernodes())
-                    .flat_map(|s| {
-                        let block = factor.supernode(s).val();
-                        (0..block.ncols()).map(move |j| block[(j, j)])
-                    })
-                    .collect()
-            }
+        // It is allocated part by part, by the threads that fill it, once known to fit.
+        let entries =
+            (0..symbolic.num_supernodes()).map(|supernode| symbolic.shape(supernode).iter().product::<usize>());
+        Vec::<f64>::new().try_reserve_exact(entries.sum()).map_err(|_| SparseError::TooLarge { dofs })?;
+        let floor = NEGLIGIBLE_PIVOT * largest;
+        let undetermined = |factor: &Factor| -> Vec<usize> {
+            let pivots =
+                factor.pivots().filter(|&(dof, pivot)| !(pivot > VANISHING_PIVOT * diagonal[dof] && pivot > floor));
+            pivots.map(|(dof, _)| dof).collect()
         };
-        let order = self.symbolic.perm().map(|p| p.arrays().0);
-        diagonal.iter().enumerate().map(|(k, l)| (order.map_or(k, |order| order[k]), l * l)).collect()
-    }
-
-    /// Solves `A x = b` for one right-hand side or several, one after the other; `rhs` holds them and becomes the solutions.
-    ///
-    /// # Panics
-    ///
-    /// If `rhs` does not have one entry per unknown and right-hand side.
-    pub fn solve(&self, rhs: &mut [f64]) {
-        let dofs = self.symbolic.nrows();
-        let columns = rhs.len() / dofs;
-        let mut buffer = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, dofs, columns),
-            Par::Seq,
-            MemStack::new(&mut buffer),
-        );
-    }
-}
-
-/// Compressed columns of the lower triangle, unknown by unknown.
-fn columns(pattern: &Pattern) -> (Vec<usize>, Vec<usize>) {
-    let d = pattern.block();
-    let mut starts = Vec::with_capacity(pattern.num_dofs() + 1);
-    let mut rows = Vec::with_capacity(pattern.num_entries());
-    for node in 0..pattern.num_nodes() {
-        let neighbours = pattern.node_column(node);
-        for j in 0..d {
-            starts.push(rows.len());
-            let dofs = neighbours.iter().flat_map(|&row| (0..d).map(move |i| row as usize * d + i));
-            rows.extend(dofs.skip(j));
+        if let Some(factor) = self.eliminate(matrix, None).filter(|factor| undetermined(factor).is_empty()) {
+            return Ok(factor);
         }
+        // Once more with pivots raised, so that the factorisation runs to its end and every undetermined unknown can be
+        // named: in a semi-definite matrix the rest of the column vanishes with the pivot.
+        let factor = self.eliminate(matrix, Some(0.5 * floor)).ok_or(SparseError::NonFinite)?;
+        let mut dofs = undetermined(&factor);
+        dofs.sort_unstable();
+        if dofs.is_empty() { Ok(factor) } else { Err(SparseError::Singular { dofs }) }
     }
-    starts.push(rows.len());
-    (starts, rows)
+
+    /// The factor of a matrix, its pivots raised to `floor` where one is given; `None` where a pivot is not positive.
+    fn eliminate(&self, matrix: &SymmetricMatrix, floor: Option<f64>) -> Option<Factor> {
+        let panels: Vec<Mutex<Vec<f64>>> = self.plan.tasks.iter().map(|_| Mutex::default()).collect();
+        let failed = AtomicBool::new(false);
+        self.plan.tasks.upwards(|index, task, below| {
+            if failed.load(Ordering::Relaxed) {
+                return Update::default();
+            }
+            let mut elimination = Elimination {
+                symbolic: &self.plan.symbolic,
+                floor,
+                waiting: below,
+                spare: Vec::new(),
+                runs: Vec::new(),
+            };
+            match elimination.run(task, matrix.values()) {
+                Ok(values) => *lock(&panels[index]) = values,
+                Err(_) => failed.store(true, Ordering::Relaxed),
+            }
+            elimination.waiting.pop().unwrap_or_default()
+        });
+        let panels = panels.into_iter().map(|panel| std::mem::take(&mut *lock(&panel))).collect();
+        (!failed.into_inner()).then(|| Factor { plan: Arc::clone(&self.plan), panels })
+    }
 }
 
-/// Fill-reducing order of the nodes, each expanded to its unknowns: the graph of the nodes is `block^2` times smaller
-/// than that of the unknowns and has the same good orders.
-fn node_order(pattern: &Pattern) -> Result<(Vec<usize>, Vec<usize>), FaerError> {
-    let nodes = pattern.num_nodes();
-    let d = pattern.block();
-    let starts: Vec<usize> = std::iter::once(0)
-        .chain((0..nodes).scan(0, |sum, node| {
-            *sum += pattern.node_column(node).len();
-            Some(*sum)
-        }))
-        .collect();
-    let rows: Vec<usize> =
-        (0..nodes).flat_map(|node| pattern.node_column(node).iter().map(|&row| row as usize)).collect();
-    let graph = SymbolicSparseColMatRef::new_checked(nodes, nodes, &starts, None, &rows);
-    let mut buffer =
-        MemBuffer::try_new(amd::order_scratch::<usize>(nodes, rows.len())).map_err(|_| FaerError::OutOfMemory)?;
-    let (mut forward, mut inverse) = (vec![0; nodes], vec![0; nodes]);
-    amd::order(&mut forward, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut buffer))?;
-    let expand = |order: &[usize]| order.iter().flat_map(|&node| (0..d).map(move |j| node * d + j)).collect();
-    Ok((expand(&forward), expand(&inverse)))
+/// What the elimination of a supernode leaves for its rows: a square, by columns.
+#[derive(Default)]
+struct Update {
+    supernode: usize,
+    values: Vec<f64>,
+}
+
+/// The elimination of the supernodes of a task.
+struct Elimination<'a> {
+    symbolic: &'a Symbolic,
+    /// To which small pivots are raised.
+    floor: Option<f64>,
+    /// What waits for the parents of the supernodes done, those of one parent together.
+    waiting: Vec<Update>,
+    /// Memory to be used again.
+    spare: Vec<Vec<f64>>,
+    runs: Vec<Run>,
+}
+
+impl Elimination<'_> {
+    /// Returns the panels; what the task's root leaves is then all that waits.
+    fn run(&mut self, task: &Task, values: &[f64]) -> Result<Vec<f64>, LltError> {
+        let sizes = task.supernodes.clone().map(|supernode| self.symbolic.shape(supernode).iter().product::<usize>());
+        let mut panels = vec![0.0; sizes.sum()];
+        let mut rest = panels.as_mut_slice();
+        for supernode in task.supernodes.clone() {
+            let [rows, columns] = self.symbolic.shape(supernode);
+            let panel;
+            (panel, rest) = rest.split_at_mut(rows * columns);
+            let mut update = self.spare.pop().unwrap_or_default();
+            update.clear();
+            update.resize((rows - columns).pow(2), 0.0);
+            let mut front = Front { panel, update: &mut update, rows, columns };
+            front.scatter(self.symbolic, supernode, values);
+            let is_child = |update: &Update| self.symbolic.parent[update.supernode] as usize == supernode;
+            let first = self.waiting.iter().rposition(|update| !is_child(update)).map_or(0, |last| last + 1);
+            for child in self.waiting.drain(first..) {
+                let own = self.symbolic.rows(child.supernode);
+                find_runs(own, &self.symbolic.columns(supernode), self.symbolic.rows(supernode), &mut self.runs);
+                self.runs.iter_mut().for_each(|run| *run = run.expanded(self.symbolic.block));
+                front.add(&child.values, &self.runs);
+                self.spare.push(child.values);
+            }
+            front.eliminate(self.floor)?;
+            if self.symbolic.parent[supernode] != NONE {
+                self.waiting.push(Update { supernode, values: update });
+            }
+        }
+        Ok(panels)
+    }
 }

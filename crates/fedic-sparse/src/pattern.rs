@@ -69,6 +69,22 @@ impl Pattern {
         &self.cell_nodes[self.cell_starts[cell]..self.cell_starts[cell + 1]]
     }
 
+    /// Compressed columns of the lower triangle, unknown by unknown: where each column starts, and the rows of its entries.
+    pub fn lower_triangle(&self) -> (Vec<usize>, Vec<usize>) {
+        let d = self.block;
+        let mut starts = Vec::with_capacity(self.num_dofs() + 1);
+        let mut rows = Vec::with_capacity(self.num_entries());
+        for node in 0..self.num_nodes() {
+            for j in 0..d {
+                starts.push(rows.len());
+                let dofs = self.node_column(node).iter().flat_map(|&row| (0..d).map(move |i| row as usize * d + i));
+                rows.extend(dofs.skip(j));
+            }
+        }
+        starts.push(rows.len());
+        (starts, rows)
+    }
+
     /// Nodes of higher or equal index coupled to `node`, increasing.
     pub(crate) fn node_column(&self, node: usize) -> &[u32] {
         &self.node_rows[self.node_starts[node]..self.node_starts[node + 1]]

@@ -25,7 +25,8 @@ impl System {
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.compact();
         let pattern = Pattern::new(mesh.num_nodes(), COMPONENTS, mesh.cells().map(|cell| cell.nodes));
-        let cholesky = Cholesky::new(&pattern).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
+        let cholesky = Cholesky::of_mesh(&pattern, mesh.points())
+            .map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
         Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes(), laplacian: OnceLock::new() })
     }
 
