@@ -148,7 +148,7 @@ class Correlator:
         solution = self._core.correlate(
             deformed,
             initial=start if isinstance(start, np.ndarray) else None,
-            pyramid=isinstance(start, str),
+            pyramid=self._reference if isinstance(start, str) else None,
             progress=progress,
         )
         return Result(

@@ -56,7 +56,7 @@ fn measure(folder: &Path, seconds: Duration) {
     println!(
         "dofs {} entries {} order {symbolic:.6} numeric {numeric:.6} solve {solve:.6} error {error:.2e} peak_MB {:.1}",
         pattern.num_dofs(),
-        factor.num_entries(),
+        factor.num_bytes() / 8,
         peak() - before,
     );
 }

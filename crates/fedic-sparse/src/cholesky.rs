@@ -6,22 +6,22 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use faer::linalg::cholesky::llt::factor::LltError;
-
 use crate::dissection::nested_dissection;
-use crate::factor::Factor;
-use crate::front::Front;
+use crate::elimination::{Eliminated, Elimination, Update};
+use crate::factor::{Factor, Values};
 use crate::graph::Graph;
 use crate::minimum_degree::minimum_degree;
-use crate::runs::{Run, find_runs};
-use crate::symbolic::{NONE, Symbolic};
-use crate::tree::{Task, Tasks, lock};
+use crate::panel::{Stored, num_stored};
+use crate::symbolic::Symbolic;
+use crate::tree::{Tasks, lock};
 use crate::{Pattern, SparseError, SymmetricMatrix};
 
 /// A pivot smaller than this fraction of its diagonal entry says that the unknown is not determined.
 const VANISHING_PIVOT: f64 = 1e-11;
 /// So does one smaller than this fraction of the largest diagonal entry: such small ones are made of rounding.
 const NEGLIGIBLE_PIVOT: f64 = 1e-10;
+/// Above this fraction of its diagonal entry, single precision serves to store what a pivot divides.
+const SMALL_PIVOT: f64 = 1e-3;
 
 /// The symbolic part of the factorisation: order of the unknowns and pattern of the factor, computed once per pattern.
 #[derive(Debug, Clone)]
@@ -84,111 +84,105 @@ impl Cholesky {
     /// [`SparseError::Singular`] with the unknowns whose pivot vanishes, [`SparseError::NonFinite`] where the matrix
     /// holds a NaN or an infinity.
     pub fn factorize(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
+        let checks = self.checks(matrix)?;
+        if let Some(eliminated) = self.eliminate(matrix, None) {
+            let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated);
+            if dofs.is_empty() {
+                return Ok(Factor::new(Arc::clone(&self.plan), Values::Double(values(eliminated))));
+            }
+        }
+        // Once more with pivots raised, so that the factorisation runs to its end and every undetermined unknown can be
+        // named: in a semi-definite matrix the rest of the column vanishes with the pivot.
+        let eliminated = self.eliminate(matrix, Some(0.5 * checks.floor)).ok_or(SparseError::NonFinite)?;
+        let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated);
+        if dofs.is_empty() {
+            Ok(Factor::new(Arc::clone(&self.plan), Values::Double(values(eliminated))))
+        } else {
+            Err(SparseError::Singular { dofs })
+        }
+    }
+
+    /// The same with a factor that is kept in single precision, half as large, where the matrix is well conditioned: where no
+    /// pivot is small beside its diagonal entry. All arithmetic is in double precision. Solutions are then those of a
+    /// matrix that differs by 1e-7, relatively: as good as any for corrections repeated until they vanish.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`factorize`](Self::factorize).
+    pub fn factorize_compact(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
+        let checks = self.checks(matrix)?;
+        if let Some(eliminated) = self.eliminate(matrix, None) {
+            let (dofs, smallest) = checks.undetermined(&self.plan.symbolic, &eliminated);
+            if dofs.is_empty() && smallest > SMALL_PIVOT {
+                return Ok(Factor::new(Arc::clone(&self.plan), Values::Single(values(eliminated))));
+            }
+        }
+        self.factorize(matrix)
+    }
+
+    /// What the pivots of a matrix are compared with.
+    fn checks(&self, matrix: &SymmetricMatrix) -> Result<Checks, SparseError> {
         if !matrix.values().iter().all(|v| v.is_finite()) {
             return Err(SparseError::NonFinite);
         }
         let symbolic = &self.plan.symbolic;
-        let dofs = symbolic.order.len() * symbolic.block;
         let diagonal = symbolic.diagonal(matrix.values());
+        let dofs = diagonal.len();
         let largest = diagonal.iter().copied().fold(0.0, f64::max);
         if largest <= 0.0 {
             return Err(SparseError::Singular { dofs: (0..dofs).collect() });
         }
         // It is allocated part by part, by the threads that fill it, once known to fit.
-        let entries =
-            (0..symbolic.num_supernodes()).map(|supernode| symbolic.shape(supernode).iter().product::<usize>());
-        Vec::<f64>::new().try_reserve_exact(entries.sum()).map_err(|_| SparseError::TooLarge { dofs })?;
-        let floor = NEGLIGIBLE_PIVOT * largest;
-        let undetermined = |factor: &Factor| -> Vec<usize> {
-            let pivots =
-                factor.pivots().filter(|&(dof, pivot)| !(pivot > VANISHING_PIVOT * diagonal[dof] && pivot > floor));
-            pivots.map(|(dof, _)| dof).collect()
-        };
-        if let Some(factor) = self.eliminate(matrix, None).filter(|factor| undetermined(factor).is_empty()) {
-            return Ok(factor);
-        }
-        // Once more with pivots raised, so that the factorisation runs to its end and every undetermined unknown can be
-        // named: in a semi-definite matrix the rest of the column vanishes with the pivot.
-        let factor = self.eliminate(matrix, Some(0.5 * floor)).ok_or(SparseError::NonFinite)?;
-        let mut dofs = undetermined(&factor);
-        dofs.sort_unstable();
-        if dofs.is_empty() { Ok(factor) } else { Err(SparseError::Singular { dofs }) }
+        let stored = (0..symbolic.num_supernodes()).map(|supernode| num_stored(symbolic.shape(supernode)));
+        Vec::<f64>::new().try_reserve_exact(stored.sum()).map_err(|_| SparseError::TooLarge { dofs })?;
+        Ok(Checks { diagonal, floor: NEGLIGIBLE_PIVOT * largest })
     }
 
-    /// The factor of a matrix, its pivots raised to `floor` where one is given; `None` where a pivot is not positive.
-    fn eliminate(&self, matrix: &SymmetricMatrix, floor: Option<f64>) -> Option<Factor> {
-        let panels: Vec<Mutex<Vec<f64>>> = self.plan.tasks.iter().map(|_| Mutex::default()).collect();
+    /// Eliminates all supernodes, pivots raised to `floor` where one is given; `None` where a pivot is not positive.
+    fn eliminate<T: Stored>(&self, matrix: &SymmetricMatrix, floor: Option<f64>) -> Option<Vec<Eliminated<T>>> {
+        let eliminated: Vec<Mutex<Option<Eliminated<T>>>> = self.plan.tasks.iter().map(|_| Mutex::default()).collect();
         let failed = AtomicBool::new(false);
         self.plan.tasks.upwards(|index, task, below| {
             if failed.load(Ordering::Relaxed) {
                 return Update::default();
             }
-            let mut elimination = Elimination {
-                symbolic: &self.plan.symbolic,
-                floor,
-                waiting: below,
-                spare: Vec::new(),
-                runs: Vec::new(),
-            };
+            let mut elimination = Elimination::new(&self.plan.symbolic, floor, below);
             match elimination.run(task, matrix.values()) {
-                Ok(values) => *lock(&panels[index]) = values,
+                Ok(done) => *lock(&eliminated[index]) = Some(done),
                 Err(_) => failed.store(true, Ordering::Relaxed),
             }
-            elimination.waiting.pop().unwrap_or_default()
+            elimination.left()
         });
-        let panels = panels.into_iter().map(|panel| std::mem::take(&mut *lock(&panel))).collect();
-        (!failed.into_inner()).then(|| Factor { plan: Arc::clone(&self.plan), panels })
+        eliminated.into_iter().map(|done| lock(&done).take()).collect()
     }
 }
 
-/// What the elimination of a supernode leaves for its rows: a square, by columns.
-#[derive(Default)]
-struct Update {
-    supernode: usize,
-    values: Vec<f64>,
+/// The numbers of the factor alone.
+fn values<T>(eliminated: Vec<Eliminated<T>>) -> Vec<Vec<T>> {
+    eliminated.into_iter().map(|done| done.values).collect()
 }
 
-/// The elimination of the supernodes of a task.
-struct Elimination<'a> {
-    symbolic: &'a Symbolic,
-    /// To which small pivots are raised.
-    floor: Option<f64>,
-    /// What waits for the parents of the supernodes done, those of one parent together.
-    waiting: Vec<Update>,
-    /// Memory to be used again.
-    spare: Vec<Vec<f64>>,
-    runs: Vec<Run>,
+/// What pivots are compared with.
+struct Checks {
+    /// Diagonal of the matrix.
+    diagonal: Vec<f64>,
+    floor: f64,
 }
 
-impl Elimination<'_> {
-    /// Returns the panels; what the task's root leaves is then all that waits.
-    fn run(&mut self, task: &Task, values: &[f64]) -> Result<Vec<f64>, LltError> {
-        let sizes = task.supernodes.clone().map(|supernode| self.symbolic.shape(supernode).iter().product::<usize>());
-        let mut panels = vec![0.0; sizes.sum()];
-        let mut rest = panels.as_mut_slice();
-        for supernode in task.supernodes.clone() {
-            let [rows, columns] = self.symbolic.shape(supernode);
-            let panel;
-            (panel, rest) = rest.split_at_mut(rows * columns);
-            let mut update = self.spare.pop().unwrap_or_default();
-            update.clear();
-            update.resize((rows - columns).pow(2), 0.0);
-            let mut front = Front { panel, update: &mut update, rows, columns };
-            front.scatter(self.symbolic, supernode, values);
-            let is_child = |update: &Update| self.symbolic.parent[update.supernode] as usize == supernode;
-            let first = self.waiting.iter().rposition(|update| !is_child(update)).map_or(0, |last| last + 1);
-            for child in self.waiting.drain(first..) {
-                let own = self.symbolic.rows(child.supernode);
-                find_runs(own, &self.symbolic.columns(supernode), self.symbolic.rows(supernode), &mut self.runs);
-                self.runs.iter_mut().for_each(|run| *run = run.expanded(self.symbolic.block));
-                front.add(&child.values, &self.runs);
-                self.spare.push(child.values);
-            }
-            front.eliminate(self.floor)?;
-            if self.symbolic.parent[supernode] != NONE {
-                self.waiting.push(Update { supernode, values: update });
+impl Checks {
+    /// The unknowns whose pivots vanish, increasing, and the smallest pivot over its diagonal entry.
+    fn undetermined<T>(&self, symbolic: &Symbolic, eliminated: &[Eliminated<T>]) -> (Vec<usize>, f64) {
+        let d = symbolic.block;
+        let (mut dofs, mut smallest) = (Vec::new(), f64::MAX);
+        let unknowns = symbolic.order.iter().flat_map(|&node| (0..d).map(move |j| node as usize * d + j));
+        for (dof, &pivot) in unknowns.zip(eliminated.iter().flat_map(|done| &done.pivots)) {
+            let relative = pivot / self.diagonal[dof];
+            smallest = smallest.min(relative);
+            if !(relative > VANISHING_PIVOT && pivot > self.floor) {
+                dofs.push(dof);
             }
         }
-        Ok(panels)
+        dofs.sort_unstable();
+        (dofs, smallest)
     }
 }

@@ -5,12 +5,14 @@
 
 mod cholesky;
 mod dissection;
+mod elimination;
 mod error;
 mod factor;
 mod front;
 mod graph;
 mod matrix;
 mod minimum_degree;
+mod panel;
 mod pattern;
 mod runs;
 mod symbolic;

@@ -121,7 +121,8 @@ impl Level {
             hessian.add_scaled(factor, &system.laplacian().matrix);
             factor
         });
-        let factor = system.factorize(&hessian, &quadrature)?;
+        // A penalty makes the system stiff, whatever its pivots say.
+        let factor = system.factorize(&hessian, settings.wavelength.is_none(), &quadrature)?;
         Ok(Self { camera, quadrature, points, pivot, moments: cell_moments, brightness, factor, penalty })
     }
 

@@ -43,13 +43,15 @@ impl System {
         }
     }
 
-    /// Factorises a Hessian; where it is singular, names the nodes.
+    /// Factorises a Hessian, `compact` if the factor is to be kept and to be small; where it is singular, names the nodes.
     pub(crate) fn factorize(
         &self,
         matrix: &SymmetricMatrix,
+        compact: bool,
         quadrature: &CellQuadrature,
     ) -> Result<Factor, SolveError> {
-        self.cholesky.factorize(matrix).map_err(|error| {
+        let factor = if compact { self.cholesky.factorize_compact(matrix) } else { self.cholesky.factorize(matrix) };
+        factor.map_err(|error| {
             let dofs = match error {
                 SparseError::Singular { dofs } => dofs,
                 SparseError::NonFinite => (0..self.pattern.num_dofs()).collect(),
