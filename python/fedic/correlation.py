@@ -10,7 +10,7 @@ from fedic._core import ImageFrame, Mesh
 from fedic._types import Camera, Floats, Image, Progress
 from fedic.errors import SolveError
 from fedic.fft_start import uniform_start
-from fedic.images import as_image, as_pair
+from fedic.images import as_image, as_pair, let_go
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 from fedic.result import Iteration, Result
 
@@ -111,6 +111,7 @@ class Correlator:
             num_threads=num_threads,
             progress=progress,
         )
+        let_go(self._reference)
 
     @property
     def num_points(self) -> int:
