@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::dissection::nested_dissection;
-use crate::elimination::{Eliminated, Elimination, Update};
+use crate::elimination::{Elimination, Update};
 use crate::factor::{Factor, Values};
 use crate::graph::Graph;
 use crate::minimum_degree::minimum_degree;
-use crate::panel::{Stored, num_stored};
+use crate::panel::Stored;
 use crate::symbolic::Symbolic;
 use crate::tree::{Tasks, lock};
 use crate::{Pattern, SparseError, SymmetricMatrix};
@@ -85,18 +85,18 @@ impl Cholesky {
     /// holds a NaN or an infinity.
     pub fn factorize(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
         let checks = self.checks(matrix)?;
-        if let Some(eliminated) = self.eliminate(matrix, None) {
-            let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated);
+        if let Some(eliminated) = self.eliminate(matrix, None)? {
+            let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated.pivots);
             if dofs.is_empty() {
-                return Ok(Factor::new(Arc::clone(&self.plan), Values::Double(values(eliminated))));
+                return Ok(Factor::new(Arc::clone(&self.plan), Values::Double(eliminated.values)));
             }
         }
         // Once more with pivots raised, so that the factorisation runs to its end and every undetermined unknown can be
         // named: in a semi-definite matrix the rest of the column vanishes with the pivot.
-        let eliminated = self.eliminate(matrix, Some(0.5 * checks.floor)).ok_or(SparseError::NonFinite)?;
-        let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated);
+        let eliminated = self.eliminate(matrix, Some(0.5 * checks.floor))?.ok_or(SparseError::NonFinite)?;
+        let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated.pivots);
         if dofs.is_empty() {
-            Ok(Factor::new(Arc::clone(&self.plan), Values::Double(values(eliminated))))
+            Ok(Factor::new(Arc::clone(&self.plan), Values::Double(eliminated.values)))
         } else {
             Err(SparseError::Singular { dofs })
         }
@@ -111,10 +111,10 @@ impl Cholesky {
     /// Those of [`factorize`](Self::factorize).
     pub fn factorize_compact(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
         let checks = self.checks(matrix)?;
-        if let Some(eliminated) = self.eliminate(matrix, None) {
-            let (dofs, smallest) = checks.undetermined(&self.plan.symbolic, &eliminated);
+        if let Some(eliminated) = self.eliminate(matrix, None)? {
+            let (dofs, smallest) = checks.undetermined(&self.plan.symbolic, &eliminated.pivots);
             if dofs.is_empty() && smallest > SMALL_PIVOT {
-                return Ok(Factor::new(Arc::clone(&self.plan), Values::Single(values(eliminated))));
+                return Ok(Factor::new(Arc::clone(&self.plan), Values::Single(eliminated.values)));
             }
         }
         self.factorize(matrix)
@@ -132,34 +132,53 @@ impl Cholesky {
         if largest <= 0.0 {
             return Err(SparseError::Singular { dofs: (0..dofs).collect() });
         }
-        // It is allocated part by part, by the threads that fill it, once known to fit.
-        let stored = (0..symbolic.num_supernodes()).map(|supernode| num_stored(symbolic.shape(supernode)));
-        Vec::<f64>::new().try_reserve_exact(stored.sum()).map_err(|_| SparseError::TooLarge { dofs })?;
         Ok(Checks { diagonal, floor: NEGLIGIBLE_PIVOT * largest })
     }
 
     /// Eliminates all supernodes, pivots raised to `floor` where one is given; `None` where a pivot is not positive.
-    fn eliminate<T: Stored>(&self, matrix: &SymmetricMatrix, floor: Option<f64>) -> Option<Vec<Eliminated<T>>> {
-        let eliminated: Vec<Mutex<Option<Eliminated<T>>>> = self.plan.tasks.iter().map(|_| Mutex::default()).collect();
+    fn eliminate<T: Stored>(
+        &self,
+        matrix: &SymmetricMatrix,
+        floor: Option<f64>,
+    ) -> Result<Option<Eliminated<T>>, SparseError> {
+        let Plan { symbolic, tasks } = self.plan.as_ref();
+        let sizes: Vec<usize> = tasks.iter().map(|task| symbolic.num_stored(&task.supernodes)).collect();
+        let total = sizes.iter().sum();
+        // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
+        let too_large = |_| SparseError::TooLarge { dofs: symbolic.order.len() * symbolic.block };
+        Vec::<T>::new().try_reserve_exact(total).map_err(too_large)?;
+        let mut values = vec![T::default(); total];
+        let mut rest = values.as_mut_slice();
+        let take = |&size: &usize| {
+            let own;
+            (own, rest) = std::mem::take(&mut rest).split_at_mut(size);
+            Mutex::new((own, None))
+        };
+        let parts: Vec<Mutex<(&mut [T], Option<Vec<f64>>)>> = sizes.iter().map(take).collect();
         let failed = AtomicBool::new(false);
-        self.plan.tasks.upwards(|index, task, below| {
+        tasks.upwards(|index, task, below| {
             if failed.load(Ordering::Relaxed) {
                 return Update::default();
             }
-            let mut elimination = Elimination::new(&self.plan.symbolic, floor, below);
-            match elimination.run(task, matrix.values()) {
-                Ok(done) => *lock(&eliminated[index]) = Some(done),
+            let mut elimination = Elimination::new(symbolic, floor, below);
+            let (factor, pivots) = &mut *lock(&parts[index]);
+            match elimination.run(task, matrix.values(), factor) {
+                Ok(found) => *pivots = Some(found),
                 Err(_) => failed.store(true, Ordering::Relaxed),
             }
             elimination.left()
         });
-        eliminated.into_iter().map(|done| lock(&done).take()).collect()
+        let pivots: Option<Vec<Vec<f64>>> = parts.into_iter().map(|part| lock(&part).1.take()).collect();
+        Ok(pivots.map(|pivots| Eliminated { values, pivots: pivots.concat() }))
     }
 }
 
-/// The numbers of the factor alone.
-fn values<T>(eliminated: Vec<Eliminated<T>>) -> Vec<Vec<T>> {
-    eliminated.into_iter().map(|done| done.values).collect()
+/// What an elimination makes.
+struct Eliminated<T> {
+    /// The supernodes of the factor, one after the other.
+    values: Vec<T>,
+    /// The pivots of all their columns.
+    pivots: Vec<f64>,
 }
 
 /// What pivots are compared with.
@@ -171,11 +190,11 @@ struct Checks {
 
 impl Checks {
     /// The unknowns whose pivots vanish, increasing, and the smallest pivot over its diagonal entry.
-    fn undetermined<T>(&self, symbolic: &Symbolic, eliminated: &[Eliminated<T>]) -> (Vec<usize>, f64) {
+    fn undetermined(&self, symbolic: &Symbolic, pivots: &[f64]) -> (Vec<usize>, f64) {
         let d = symbolic.block;
         let (mut dofs, mut smallest) = (Vec::new(), f64::MAX);
         let unknowns = symbolic.order.iter().flat_map(|&node| (0..d).map(move |j| node as usize * d + j));
-        for (dof, &pivot) in unknowns.zip(eliminated.iter().flat_map(|done| &done.pivots)) {
+        for (dof, &pivot) in unknowns.zip(pivots) {
             let relative = pivot / self.diagonal[dof];
             smallest = smallest.min(relative);
             if !(relative > VANISHING_PIVOT && pivot > self.floor) {

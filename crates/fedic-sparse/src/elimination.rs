@@ -15,14 +15,6 @@ pub(crate) struct Update {
     values: Vec<f64>,
 }
 
-/// What a task makes.
-pub(crate) struct Eliminated<T> {
-    /// The supernodes of the factor.
-    pub(crate) values: Vec<T>,
-    /// The pivots of all their columns.
-    pub(crate) pivots: Vec<f64>,
-}
-
 /// What the work on a task needs.
 pub(crate) struct Elimination<'a> {
     symbolic: &'a Symbolic,
@@ -40,13 +32,14 @@ impl<'a> Elimination<'a> {
         Self { symbolic, floor, waiting: below, spare: Vec::new(), runs: Vec::new() }
     }
 
-    /// Eliminates the supernodes of a task.
-    pub(crate) fn run<T: Stored>(&mut self, task: &Task, matrix: &[f64]) -> Result<Eliminated<T>, LltError> {
-        let shapes = || task.supernodes.clone().map(|supernode| self.symbolic.shape(supernode));
-        let mut done = Eliminated {
-            values: Vec::with_capacity(shapes().map(num_stored).sum()),
-            pivots: Vec::with_capacity(shapes().map(|[_, columns]| columns).sum()),
-        };
+    /// Eliminates the supernodes of a task, writes their columns one after the other and returns the pivots.
+    pub(crate) fn run<T: Stored>(
+        &mut self,
+        task: &Task,
+        matrix: &[f64],
+        mut factor: &mut [T],
+    ) -> Result<Vec<f64>, LltError> {
+        let mut pivots = Vec::with_capacity(task.columns.len() * self.symbolic.block);
         let mut panel = Vec::new();
         for supernode in task.supernodes.clone() {
             let [rows, columns] = self.symbolic.shape(supernode);
@@ -67,13 +60,15 @@ impl<'a> Elimination<'a> {
                 self.spare.push(child.values);
             }
             front.eliminate(self.floor)?;
-            done.pivots.extend((0..columns).map(|j| panel[j * rows + j].powi(2)));
-            store(&panel, rows, &mut done.values);
+            pivots.extend((0..columns).map(|j| panel[j * rows + j].powi(2)));
+            let own;
+            (own, factor) = factor.split_at_mut(num_stored([rows, columns]));
+            store(&panel, rows, own);
             if self.symbolic.parent[supernode] != NONE {
                 self.waiting.push(Update { supernode, values: update });
             }
         }
-        Ok(done)
+        Ok(pivots)
     }
 
     /// What the last supernode left.

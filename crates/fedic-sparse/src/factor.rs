@@ -14,11 +14,11 @@ pub struct Factor {
     values: Values,
 }
 
-/// The supernodes of each task, one after the other.
+/// The supernodes, one after the other.
 #[derive(Debug, Clone)]
 pub(crate) enum Values {
-    Double(Vec<Vec<f64>>),
-    Single(Vec<Vec<f32>>),
+    Double(Vec<f64>),
+    Single(Vec<f32>),
 }
 
 impl Factor {
@@ -29,8 +29,8 @@ impl Factor {
     /// Bytes that its numbers take.
     pub fn num_bytes(&self) -> usize {
         match &self.values {
-            Values::Double(values) => values.iter().map(|values| size_of_val(values.as_slice())).sum(),
-            Values::Single(values) => values.iter().map(|values| size_of_val(values.as_slice())).sum(),
+            Values::Double(values) => size_of_val(values.as_slice()),
+            Values::Single(values) => size_of_val(values.as_slice()),
         }
     }
 
@@ -46,7 +46,7 @@ impl Factor {
         }
     }
 
-    fn solve_with<T: Stored>(&self, values: &[Vec<T>], rhs: &mut [f64]) {
+    fn solve_with<T: Stored>(&self, values: &[T], rhs: &mut [f64]) {
         let (symbolic, tasks) = (&self.plan.symbolic, &self.plan.tasks);
         let d = symbolic.block;
         let dofs = symbolic.order.len() * d;
@@ -55,6 +55,11 @@ impl Factor {
         if sides == 0 {
             return;
         }
+        let mut parts = vec![0];
+        parts.extend(tasks.iter().scan(0, |end, task| {
+            *end += symbolic.num_stored(&task.supernodes);
+            Some(*end)
+        }));
         // For each task the unknowns of its columns, then those of the rows of its root, and this for each right-hand side.
         let unknowns: Vec<Mutex<Vec<f64>>> = tasks.iter().map(|_| Mutex::default()).collect();
         let shared: &[f64] = rhs;
@@ -77,7 +82,7 @@ impl Factor {
                     }
                 }
             }
-            self.forward(task, &values[index], &mut all, sides);
+            self.forward(task, &values[parts[index]..parts[index + 1]], &mut all, sides);
             let rest = all.chunks_exact(height).flat_map(|own| &own[columns..]).copied().collect();
             *lock(&unknowns[index]) = all;
             rest
@@ -91,7 +96,7 @@ impl Factor {
                     own[columns..].copy_from_slice(given);
                 }
             }
-            self.backward(task, &values[index], &mut all, sides);
+            self.backward(task, &values[parts[index]..parts[index + 1]], &mut all, sides);
             let hand_on = |&child: &usize| {
                 let runs = self.shared_rows(task, child);
                 let mut given = Vec::new();

@@ -6,7 +6,7 @@ use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, Par};
 
 /// A number as it is stored; all arithmetic is in double precision.
-pub(crate) trait Stored: Copy + Send + Sync {
+pub(crate) trait Stored: Copy + Default + Send + Sync {
     fn store(value: f64) -> Self;
     fn load(self) -> f64;
 }
@@ -50,10 +50,12 @@ fn column_start(rows: usize, column: usize) -> usize {
     column * rows - column * column.saturating_sub(1) / 2
 }
 
-/// Appends what is on and below the diagonal of columns with all their rows.
-pub(crate) fn store<T: Stored>(columns: &[f64], rows: usize, stored: &mut Vec<T>) {
+/// Stores what is on and below the diagonal of columns with all their rows.
+pub(crate) fn store<T: Stored>(columns: &[f64], rows: usize, mut stored: &mut [T]) {
     for (j, column) in columns.chunks_exact(rows).enumerate() {
-        stored.extend(column[j..].iter().map(|&value| T::store(value)));
+        let (own, others) = stored.split_at_mut(rows - j);
+        own.iter_mut().zip(&column[j..]).for_each(|(stored, &value)| *stored = T::store(value));
+        stored = others;
     }
 }
 

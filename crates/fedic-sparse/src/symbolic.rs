@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::Pattern;
 use crate::graph::Graph;
+use crate::panel::num_stored;
 
 /// No node, no supernode.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -72,9 +73,10 @@ impl Symbolic {
             parent: Vec::with_capacity(columns.len()),
             columns,
             entry_starts: Vec::new(),
-            entries: Vec::new(),
+            entries: Vec::with_capacity(pattern.num_blocks()),
         };
         symbolic.find_rows(pattern, graph);
+        symbolic.rows.shrink_to_fit();
         symbolic
     }
 
@@ -96,6 +98,11 @@ impl Symbolic {
     pub(crate) fn shape(&self, supernode: usize) -> [usize; 2] {
         let columns = self.columns(supernode).len();
         [columns + self.rows(supernode).len(), columns].map(|nodes| nodes * self.block)
+    }
+
+    /// Numbers stored of some supernodes.
+    pub(crate) fn num_stored(&self, supernodes: &Range<usize>) -> usize {
+        supernodes.clone().map(|supernode| num_stored(self.shape(supernode))).sum()
     }
 
     /// Multiplications and additions that the elimination of a supernode takes, about.
