@@ -1,7 +1,8 @@
 //! Factorises the system of a mesh and says what it took; `benches/python/cholesky.py` compares it with CHOLMOD.
 //!
-//!     factorize FOLDER THREADS SECONDS
+//!     factorize FOLDER THREADS SECONDS KIND
 //!
+//! The kind is `double`, `compact` (a factor in single precision) or `degree` (double, ordered by minimum degree).
 //! The folder holds `points.f64` (two numbers per node) and `cells.u32` (nodes per cell, then those of each cell); the
 //! matrix is left there for others: `starts.i32`, `rows.i32`, `values.f64`, the lower triangle by columns.
 
@@ -20,10 +21,14 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (folder, threads) = (Path::new(&arguments[1]), arguments[2].parse().unwrap());
     let seconds = Duration::from_secs_f64(arguments[3].parse().unwrap());
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| measure(folder, seconds));
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap()
+        .install(|| measure(folder, seconds, &arguments[4]));
 }
 
-fn measure(folder: &Path, seconds: Duration) {
+fn measure(folder: &Path, seconds: Duration, kind: &str) {
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
     let coordinates: Vec<f64> = numbers(&read("points.f64"), f64::from_le_bytes);
     let cells: Vec<u32> = numbers(&read("cells.u32"), u32::from_le_bytes);
@@ -40,11 +45,14 @@ fn measure(folder: &Path, seconds: Duration) {
         .unwrap();
 
     let before = resident();
-    let (symbolic, cholesky) = fastest(seconds, || match std::env::var("AMD") {
-        Ok(_) => Cholesky::new(&pattern).unwrap(),
+    let (symbolic, cholesky) = fastest(seconds, || match kind {
+        "degree" => Cholesky::new(&pattern).unwrap(),
         _ => Cholesky::of_mesh(&pattern, &points).unwrap(),
     });
-    let (numeric, factor) = fastest(seconds, || cholesky.factorize(&matrix).unwrap());
+    let (numeric, factor) = fastest(seconds, || match kind {
+        "compact" => cholesky.factorize_compact(&matrix).unwrap(),
+        _ => cholesky.factorize(&matrix).unwrap(),
+    });
     let exact: Vec<f64> = (0..pattern.num_dofs()).map(|k| (k as f64).sin()).collect();
     let loads = matrix.multiply(&pattern, &exact);
     let (solve, x) = fastest(seconds, || {
@@ -54,9 +62,10 @@ fn measure(folder: &Path, seconds: Duration) {
     });
     let error = x.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     println!(
-        "dofs {} entries {} order {symbolic:.6} numeric {numeric:.6} solve {solve:.6} error {error:.2e} peak_MB {:.1}",
+        "dofs {} entries {} work {:.3e} order {symbolic:.6} numeric {numeric:.6} solve {solve:.6} error {error:.2e} peak_MB {:.1}",
         pattern.num_dofs(),
-        factor.num_bytes() / 8,
+        factor.num_bytes() / if kind == "compact" { 4 } else { 8 },
+        cholesky.work(),
         peak() - before,
     );
 }
