@@ -1,7 +1,8 @@
 """Compare the factorisation with CHOLMOD on the same matrices: python cholesky.py [--help].
 
-The matrices are those of a grid of quads and of a mesh of triangles with a hole, two unknowns per node. Every factorisation
-runs in a process of its own; the shortest of its repetitions counts, and its peak memory beyond what it held before.
+The matrices are those of a grid of quads and of a mesh of triangles with a hole, two unknowns per node. Every
+factorisation runs in a process of its own; the shortest of its repetitions counts, and its peak memory beyond what it
+held before.
 """
 
 import argparse
@@ -58,7 +59,9 @@ def save(folder: Path, points: NDArray[np.float64], cells: NDArray[np.int64]) ->
 def run(command: list[Any], threads: int) -> Row:
     """Run a factorisation and return what it says, or why there is none."""
     environment = os.environ | dict.fromkeys(THREAD_VARIABLES, str(threads))
-    found = subprocess.run([str(part) for part in command], env=environment, check=False, capture_output=True, text=True)
+    found = subprocess.run(
+        [str(part) for part in command], env=environment, check=False, capture_output=True, text=True
+    )
     if found.returncode != 0:
         return {"absent": (found.stderr.splitlines() or ["failed"])[-1]}
     return {"threads": threads, **read_report(found.stdout)}
@@ -73,7 +76,11 @@ def shown(rows: list[tuple[str, str, Row]]) -> Table:
         if "absent" in row:
             table.add_row(mesh, "", "", package, row["absent"])
             continue
-        peers = [other for name, label, other in rows if name == mesh and label.startswith("CHOLMOD") and "absent" not in other]
+        peers = [
+            other
+            for name, label, other in rows
+            if name == mesh and label.startswith("CHOLMOD") and "absent" not in other
+        ]
 
         def cell(key: str, form: str, row: Row = row, peers: list[Row] = peers) -> str:
             best = min((peer[key] for peer in peers if np.isfinite(peer[key])), default=None)

@@ -36,7 +36,7 @@ def read_image(path: StrPath) -> Image:
     Returns
     -------
     ndarray of uint8, uint16 or float32, shape (height, width)
-        Indexed ``image[v, u]``. A large uncompressed TIFF image, of 64 MB or more, is mapped from its file and cannot be
+        Indexed ``image[v, u]``. An uncompressed TIFF image of 64 MB or more is mapped from its file and cannot be
         written to: the file must stay as it is while the image is used.
 
     Raises

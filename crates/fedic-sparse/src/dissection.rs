@@ -87,9 +87,14 @@ impl Dissection<'_> {
 
     /// The line with the smallest separator for the balance of its halves.
     fn best_line(&self, nodes: &[u32], set: u32) -> Option<Line> {
-        let directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let lines = directions.into_iter().filter_map(|direction| self.best_along(nodes, set, direction));
-        lines.min_by(|a, b| a.cost.total_cmp(&b.cost))
+        let along = |direction| self.best_along(nodes, set, direction);
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let (first, others) = if nodes.len() > GRAIN {
+            rayon::join(|| along(x), || [along(y), along(z)])
+        } else {
+            (along(x), [along(y), along(z)])
+        };
+        [first].into_iter().chain(others).flatten().min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     fn best_along(&self, nodes: &[u32], set: u32, direction: [f64; 3]) -> Option<Line> {

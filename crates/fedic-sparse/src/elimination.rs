@@ -2,10 +2,11 @@
 
 use faer::linalg::cholesky::llt::factor::LltError;
 
+use crate::elimination_tree::NONE;
 use crate::front::Front;
 use crate::panel::{Stored, num_stored, store};
 use crate::runs::{Run, find_runs};
-use crate::symbolic::{NONE, Symbolic};
+use crate::symbolic::Symbolic;
 use crate::tree::Task;
 
 /// What the elimination of a supernode leaves for its rows: a square, by columns.

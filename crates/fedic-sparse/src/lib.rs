@@ -6,6 +6,7 @@
 mod cholesky;
 mod dissection;
 mod elimination;
+mod elimination_tree;
 mod error;
 mod factor;
 mod front;

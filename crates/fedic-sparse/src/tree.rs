@@ -9,8 +9,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::Scope;
 
+use crate::elimination_tree::NONE;
 use crate::runs::find_runs;
-use crate::symbolic::{NONE, Symbolic};
+use crate::symbolic::Symbolic;
 
 /// A subtree is cut further where it takes more than this part of the whole work ...
 const PART: f64 = 1.0 / 64.0;
