@@ -152,9 +152,9 @@ impl Cholesky {
         let take = |&size: &usize| {
             let own;
             (own, rest) = std::mem::take(&mut rest).split_at_mut(size);
-            Mutex::new((own, None))
+            Mutex::new((own, None::<Vec<f64>>))
         };
-        let parts: Vec<Mutex<(&mut [T], Option<Vec<f64>>)>> = sizes.iter().map(take).collect();
+        let parts: Vec<Mutex<_>> = sizes.iter().map(take).collect();
         let failed = AtomicBool::new(false);
         tasks.upwards(|index, task, below| {
             if failed.load(Ordering::Relaxed) {
