@@ -10,6 +10,7 @@ import pytest
 import tifffile
 
 import fedic
+from fedic.images import let_go
 
 RNG = np.random.default_rng(0)
 GREY8 = RNG.integers(0, 256, (40, 50), dtype=np.uint8)
@@ -39,6 +40,40 @@ def test_float_and_big_endian_tiff_are_read(tmp_path: Path) -> None:
     big = fedic.read_image(tmp_path / "big.tif")
     assert big.dtype.isnative
     np.testing.assert_array_equal(big, GREY16)
+
+
+def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    speckle = fedic.synthetic.Speckle(5.0, seed=1)
+    camera = fedic.FrontParallel(1.0, (0.0, 0.0))
+    images = [
+        fedic.synthetic.render(
+            speckle, camera, (120, 140), displacement=lambda points, s=shift: np.full_like(points, s)
+        )
+        for shift in (0.0, 0.4)
+    ]
+    paths = [tmp_path / "reference.tif", tmp_path / "deformed.tif"]
+    for path, image in zip(paths, images, strict=True):
+        tifffile.imwrite(path, image)
+    monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
+    mapped = [fedic.read_image(path) for path in paths]
+    mesh = fedic.rectangle_mesh((20, 20, 120, 100), 20)
+    for image, stored in zip(mapped, images, strict=True):
+        assert not image.flags.writeable
+        np.testing.assert_array_equal(image, stored)
+    results = [fedic.correlate(*pair, mesh, initial="pyramid") for pair in (mapped, images)]
+    np.testing.assert_array_equal(results[0].displacement, results[1].displacement)
+    # What the system took back is read again.
+    np.testing.assert_array_equal(mapped[0], images[0])
+
+
+def test_letting_an_image_go_loses_nothing(tmp_path: Path) -> None:
+    tifffile.imwrite(tmp_path / "grey.tif", GREY8)
+    private = tifffile.memmap(tmp_path / "grey.tif", mode="c")
+    private += 1
+    for image in (private, GREY8.copy()):
+        kept = np.array(image)
+        let_go(image)
+        np.testing.assert_array_equal(image, kept)
 
 
 def test_lzw_tiff_is_read_without_an_extra_codec(shared_data: Callable[[str], Path]) -> None:

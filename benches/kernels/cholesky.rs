@@ -17,7 +17,9 @@ fn cholesky(c: &mut Criterion) {
         let cells = quads(side);
         let build = || Pattern::new((side * side) as usize, BLOCK, cells.iter().map(<[u32; 4]>::as_slice));
         let pattern = build();
-        let symbolic = Cholesky::new(&pattern).unwrap();
+        let points: Vec<[f64; 3]> =
+            (0..side * side).map(|node| [f64::from(node % side), f64::from(node / side), 0.0]).collect();
+        let symbolic = Cholesky::of_mesh(&pattern, &points).unwrap();
         let matrix = assemble(&pattern);
         let factor = symbolic.factorize(&matrix).unwrap();
         let loads = vec![1.0; pattern.num_dofs()];
@@ -25,7 +27,7 @@ fn cholesky(c: &mut Criterion) {
         group.throughput(Throughput::Elements(pattern.num_dofs() as u64));
         group.bench_function(format!("pattern/{dofs}"), |b| b.iter(build));
         group.bench_function(format!("assembly/{dofs}"), |b| b.iter(|| assemble(&pattern)));
-        group.bench_function(format!("symbolic/{dofs}"), |b| b.iter(|| Cholesky::new(&pattern).unwrap()));
+        group.bench_function(format!("symbolic/{dofs}"), |b| b.iter(|| Cholesky::of_mesh(&pattern, &points).unwrap()));
         group.bench_function(format!("numeric/{dofs}"), |b| b.iter(|| symbolic.factorize(&matrix).unwrap()));
         group.bench_function(format!("solve/{dofs}"), |b| {
             b.iter_batched_ref(|| loads.clone(), |x| factor.solve(x), BatchSize::LargeInput);

@@ -189,7 +189,7 @@ class Correlator:
         deformed: _Image,
         *,
         initial: NDArray[np.float64] | None = None,
-        pyramid: bool = False,
+        pyramid: _Image | None = None,
         progress: Callable[[str, int, int, float, float], Any] | None = None,
     ) -> Solution: ...
     def residual_map(self, reference: _Image, deformed: _Image, displacement: ArrayLike) -> NDArray[np.float32]: ...

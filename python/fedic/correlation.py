@@ -11,7 +11,7 @@ from fedic._core import ImageFrame, Mesh
 from fedic._types import Camera, Floats, Image, Progress
 from fedic.errors import CalibrationWarning, SolveError
 from fedic.fft_start import uniform_start
-from fedic.images import as_image, as_pair
+from fedic.images import as_image, as_pair, let_go
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 from fedic.result import Iteration, Result
 
@@ -112,6 +112,7 @@ class Correlator:
             num_threads=num_threads,
             progress=progress,
         )
+        let_go(self._reference)
         _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
 
     @property
@@ -150,7 +151,7 @@ class Correlator:
         solution = self._core.correlate(
             deformed,
             initial=start if isinstance(start, np.ndarray) else None,
-            pyramid=isinstance(start, str),
+            pyramid=self._reference if isinstance(start, str) else None,
             progress=progress,
         )
         places = self._mesh.points.copy()

@@ -1,6 +1,6 @@
 """Reading images, and checking those handed over as arrays."""
 
-import io
+import mmap
 import struct
 import zlib
 from pathlib import Path
@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from fedic._types import Image, StrPath
 from fedic.errors import ImageError
 
-__all__ = ["as_image", "as_pair", "read_image"]
+__all__ = ["as_image", "as_pair", "let_go", "read_image"]
 
 _TIFF_SIGNATURES = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_SIGNATURE = b"\xff\xd8\xff"
 _BMP_SIGNATURE = b"BM"
+_MAPPED_BYTES = 1 << 26
+"""From this size on an image that lies uncompressed in its file is mapped."""
 
 
 def read_image(path: StrPath) -> Image:
@@ -34,7 +36,8 @@ def read_image(path: StrPath) -> Image:
     Returns
     -------
     ndarray of uint8, uint16 or float32, shape (height, width)
-        Indexed ``image[v, u]``.
+        Indexed ``image[v, u]``. An uncompressed TIFF image of 64 MB or more is mapped from its file and cannot be
+        written to: the file must stay as it is while the image is used.
 
     Raises
     ------
@@ -43,7 +46,10 @@ def read_image(path: StrPath) -> Image:
     """
     path = Path(path)
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(4)
+            is_tiff = data.startswith(_TIFF_SIGNATURES)
+            data += b"" if is_tiff else file.read()
     except FileNotFoundError:
         raise ImageError(f"{path}: there is no such image file; check the path.") from None
     except OSError as error:
@@ -51,8 +57,8 @@ def read_image(path: StrPath) -> Image:
     if not data:
         raise ImageError(f"{path}: the image file is empty (0 bytes).")
 
-    if data.startswith(_TIFF_SIGNATURES):
-        return _decode_tiff(path, data)
+    if is_tiff:
+        return _decode_tiff(path)
     if data.startswith(_PNG_SIGNATURE):
         intact = _png_is_intact(data)
     elif data.startswith(_JPEG_SIGNATURE):
@@ -130,6 +136,23 @@ def as_pair(reference: Image, deformed: object) -> Image:
     return checked
 
 
+def let_go(image: Image) -> None:
+    """Give the memory of an image that is mapped from its file back to the system, until it is read again.
+
+    Parameters
+    ----------
+    image : ndarray
+        Any image; nothing happens to one that is not mapped for reading only.
+    """
+    base: object = image
+    read_only = False
+    while isinstance(base, np.ndarray):
+        read_only |= isinstance(base, np.memmap) and base.mode == "r"
+        base = base.base
+    if read_only and isinstance(base, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
+        base.madvise(mmap.MADV_DONTNEED)
+
+
 def _size(image: Image) -> str:
     height, width = image.shape
     return f"{width} x {height} px (width x height)"
@@ -151,11 +174,11 @@ def _decode_with_opencv(path: Path, data: bytes) -> NDArray[Any]:
     return image
 
 
-def _decode_tiff(path: Path, data: bytes) -> Image:
+def _decode_tiff(path: Path) -> Image:
     import tifffile
 
     try:
-        with tifffile.TiffFile(io.BytesIO(data)) as tiff:
+        with tifffile.TiffFile(path) as tiff:
             pages = [page for page in tiff.pages if isinstance(page, tifffile.TiffPage) and not page.is_reduced]
             pages += [page for page in tiff.pages if not isinstance(page, tifffile.TiffPage)]
             if len(pages) > 1:
@@ -165,14 +188,15 @@ def _decode_tiff(path: Path, data: bytes) -> Image:
             if page.photometric == tifffile.PHOTOMETRIC.PALETTE:
                 raise ImageError(f"{path}: the TIFF file has a colour palette; save it as a greyscale image.")
             segments = zip(page.dataoffsets, page.databytecounts, strict=True)
-            if any(offset + count > len(data) for offset, count in segments):
+            if any(offset + count > tiff.filehandle.size for offset, count in segments):
                 raise _damaged(path)
             try:
-                image, blue_first = page.asarray(), False
+                mapped = page.is_memmappable and page.nbytes >= _MAPPED_BYTES
+                image, blue_first = page.asarray(out="memmap" if mapped else None), False
             except ValueError as error:
                 if "imagecodecs" not in str(error):
                     raise
-                image, blue_first = _decode_with_opencv(path, data), True
+                image, blue_first = _decode_with_opencv(path, path.read_bytes()), True
             if not blue_first and page.axes == "SYX":
                 image = np.moveaxis(image, 0, -1)
     except ImageError:

@@ -88,23 +88,25 @@ impl Correlator {
     }
 
     /// Measures one deformed image; see `fedic.Correlator.correlate`.
-    #[pyo3(signature = (deformed, *, initial=None, pyramid=false, progress=None))]
+    #[pyo3(signature = (deformed, *, initial=None, pyramid=None, progress=None))]
     fn correlate(
         &self,
         py: Python<'_>,
         deformed: &Bound<'_, PyAny>,
         initial: Option<&Bound<'_, PyAny>>,
-        pyramid: bool,
+        pyramid: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
         let view = grey.view(DEFORMED)?;
         let field = initial.map(|field| rows::<2>(field, "initial", solve_error)).transpose()?;
+        let reference = pyramid.map(|image| GreyArray::borrow(image, REFERENCE)).transpose()?;
+        let reference = reference.as_ref().map(|grey| grey.view(REFERENCE)).transpose()?;
         run(py, progress, move |monitor| {
-            let start = match &field {
-                Some(field) => Start::Field(field),
-                None if pyramid => Start::Pyramid,
-                None => Start::Zero,
+            let start = match (&field, reference) {
+                (Some(field), _) => Start::Field(field),
+                (None, Some(reference)) => Start::Pyramid(reference),
+                (None, None) => Start::Zero,
             };
             self.inner.correlate(view, start, monitor).map(Solution)
         })

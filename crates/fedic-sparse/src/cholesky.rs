@@ -1,38 +1,39 @@
-//! Sparse Cholesky factorisation through faer: the symbolic part once per pattern, the numeric part per matrix.
+//! Sparse Cholesky factorisation: the symbolic part once per pattern, the numeric part per matrix.
+//!
+//! The numeric part is multifrontal (Duff and Reid 1983): a supernode is eliminated as a dense matrix, and what that leaves for
+//! the rows below is handed up the elimination tree, whose branches are worked on in parallel.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::perm::PermRef;
-use faer::sparse::linalg::amd;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal,
-};
-use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
-
+use crate::dissection::nested_dissection;
+use crate::elimination::{Elimination, Update};
+use crate::factor::{Factor, Values};
+use crate::graph::Graph;
+use crate::minimum_degree::minimum_degree;
+use crate::panel::Stored;
+use crate::symbolic::Symbolic;
+use crate::tree::{Tasks, lock};
 use crate::{Pattern, SparseError, SymmetricMatrix};
 
 /// A pivot smaller than this fraction of its diagonal entry says that the unknown is not determined.
 const VANISHING_PIVOT: f64 = 1e-11;
 /// So does one smaller than this fraction of the largest diagonal entry: such small ones are made of rounding.
 const NEGLIGIBLE_PIVOT: f64 = 1e-10;
+/// Above this fraction of its diagonal entry, single precision serves to store what a pivot divides.
+const SMALL_PIVOT: f64 = 1e-3;
 
 /// The symbolic part of the factorisation: order of the unknowns and pattern of the factor, computed once per pattern.
 #[derive(Debug, Clone)]
 pub struct Cholesky {
-    column_starts: Vec<usize>,
-    row_indices: Vec<usize>,
-    symbolic: Arc<SymbolicCholesky<usize>>,
+    plan: Arc<Plan>,
 }
 
-/// The numeric part: the factor of one matrix.
-#[derive(Debug, Clone)]
-pub struct Factor {
-    symbolic: Arc<SymbolicCholesky<usize>>,
-    values: Vec<f64>,
+/// Where the factor has entries, and who computes them.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) symbolic: Symbolic,
+    pub(crate) tasks: Tasks,
 }
 
 impl Cholesky {
@@ -42,15 +43,38 @@ impl Cholesky {
     ///
     /// [`SparseError::TooLarge`] where the factor cannot be numbered or stored.
     pub fn new(pattern: &Pattern) -> Result<Self, SparseError> {
-        let dofs = pattern.num_dofs();
-        let too_large = |_: FaerError| SparseError::TooLarge { dofs };
-        let (column_starts, row_indices) = columns(pattern);
-        let (forward, inverse) = node_order(pattern).map_err(too_large)?;
-        let lower = SymbolicSparseColMatRef::new_checked(dofs, dofs, &column_starts, None, &row_indices);
-        let order = SymmetricOrdering::Custom(PermRef::new_checked(&forward, &inverse, dofs));
-        let symbolic = factorize_symbolic_cholesky(lower, Side::Lower, order, CholeskySymbolicParams::default())
-            .map_err(too_large)?;
-        Ok(Self { column_starts, row_indices, symbolic: Arc::new(symbolic) })
+        let order = minimum_degree(pattern).map_err(|_| SparseError::TooLarge { dofs: pattern.num_dofs() })?;
+        Self::ordered(pattern, &Graph::new(pattern), &order)
+    }
+
+    /// The same with the nodes ordered by nested dissection; `points` are their coordinates.
+    ///
+    /// # Errors
+    ///
+    /// [`SparseError::TooLarge`] where the factor cannot be numbered or stored.
+    ///
+    /// # Panics
+    ///
+    /// If there is not one point per node.
+    pub fn of_mesh(pattern: &Pattern, points: &[[f64; 3]]) -> Result<Self, SparseError> {
+        assert_eq!(points.len(), pattern.num_nodes(), "one point per node");
+        let graph = Graph::new(pattern);
+        let order = nested_dissection(&graph, points);
+        Self::ordered(pattern, &graph, &order)
+    }
+
+    fn ordered(pattern: &Pattern, graph: &Graph, order: &[u32]) -> Result<Self, SparseError> {
+        if 2 * pattern.num_entries() > u32::MAX as usize {
+            return Err(SparseError::TooLarge { dofs: pattern.num_dofs() });
+        }
+        let symbolic = Symbolic::new(pattern, graph, order);
+        let tasks = Tasks::new(&symbolic);
+        Ok(Self { plan: Arc::new(Plan { symbolic, tasks }) })
+    }
+
+    /// Multiplications, each with an addition, that a factorisation takes, about.
+    pub fn work(&self) -> f64 {
+        (0..self.plan.symbolic.num_supernodes()).map(|supernode| self.plan.symbolic.work(supernode)).sum()
     }
 
     /// Factorises a matrix of the pattern.
@@ -60,124 +84,124 @@ impl Cholesky {
     /// [`SparseError::Singular`] with the unknowns whose pivot vanishes, [`SparseError::NonFinite`] where the matrix
     /// holds a NaN or an infinity.
     pub fn factorize(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
+        let checks = self.checks(matrix)?;
+        if let Some(eliminated) = self.eliminate(matrix, None)? {
+            let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated.pivots);
+            if dofs.is_empty() {
+                return Ok(Factor::new(Arc::clone(&self.plan), Values::Double(eliminated.values)));
+            }
+        }
+        // Once more with pivots raised, so that the factorisation runs to its end and every undetermined unknown can be
+        // named: in a semi-definite matrix the rest of the column vanishes with the pivot.
+        let eliminated = self.eliminate(matrix, Some(0.5 * checks.floor))?.ok_or(SparseError::NonFinite)?;
+        let (dofs, _) = checks.undetermined(&self.plan.symbolic, &eliminated.pivots);
+        if dofs.is_empty() {
+            Ok(Factor::new(Arc::clone(&self.plan), Values::Double(eliminated.values)))
+        } else {
+            Err(SparseError::Singular { dofs })
+        }
+    }
+
+    /// The same with a factor that is kept in single precision, half as large, where the matrix is well conditioned: where no
+    /// pivot is small beside its diagonal entry. All arithmetic is in double precision. Solutions are then those of a
+    /// matrix that differs by 1e-7, relatively: as good as any for corrections repeated until they vanish.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`factorize`](Self::factorize).
+    pub fn factorize_compact(&self, matrix: &SymmetricMatrix) -> Result<Factor, SparseError> {
+        let checks = self.checks(matrix)?;
+        if let Some(eliminated) = self.eliminate(matrix, None)? {
+            let (dofs, smallest) = checks.undetermined(&self.plan.symbolic, &eliminated.pivots);
+            if dofs.is_empty() && smallest > SMALL_PIVOT {
+                return Ok(Factor::new(Arc::clone(&self.plan), Values::Single(eliminated.values)));
+            }
+        }
+        self.factorize(matrix)
+    }
+
+    /// What the pivots of a matrix are compared with.
+    fn checks(&self, matrix: &SymmetricMatrix) -> Result<Checks, SparseError> {
         if !matrix.values().iter().all(|v| v.is_finite()) {
             return Err(SparseError::NonFinite);
         }
-        let dofs = self.symbolic.nrows();
-        let diagonal = |dof: usize| matrix.values()[self.column_starts[dof]];
-        let largest = (0..dofs).map(diagonal).fold(0.0, f64::max);
+        let symbolic = &self.plan.symbolic;
+        let diagonal = symbolic.diagonal(matrix.values());
+        let dofs = diagonal.len();
+        let largest = diagonal.iter().copied().fold(0.0, f64::max);
         if largest <= 0.0 {
             return Err(SparseError::Singular { dofs: (0..dofs).collect() });
         }
-        let symbolic = SymbolicSparseColMatRef::new_checked(dofs, dofs, &self.column_starts, None, &self.row_indices);
-        // Pivots below the floor are raised to it, so that the factorisation runs to its end and every undetermined
-        // unknown can be named: in a semi-definite matrix the rest of the column vanishes with the pivot.
-        let floor = 0.5 * NEGLIGIBLE_PIVOT * largest;
-        let regularization =
-            LltRegularization { dynamic_regularization_delta: floor, dynamic_regularization_epsilon: floor };
-        let too_large = || SparseError::TooLarge { dofs };
-        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let mut buffer = MemBuffer::try_new(scratch).map_err(|_| too_large())?;
-        let mut values = Vec::new();
-        values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| too_large())?;
-        values.resize(self.symbolic.len_val(), 0.0);
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                SparseColMatRef::new(symbolic, matrix.values()),
-                Side::Lower,
-                regularization,
-                Par::Seq,
-                MemStack::new(&mut buffer),
-                Spec::default(),
-            )
-            .map_err(|_| SparseError::NonFinite)?;
-        let factor = Factor { symbolic: Arc::clone(&self.symbolic), values };
-        let mut singular: Vec<usize> = factor
-            .pivots()
-            .into_iter()
-            .filter(|&(dof, pivot)| !(pivot > VANISHING_PIVOT * diagonal(dof) && pivot > 2.0 * floor))
-            .map(|(dof, _)| dof)
-            .collect();
-        singular.sort_unstable();
-        if singular.is_empty() { Ok(factor) } else { Err(SparseError::Singular { dofs: singular }) }
+        Ok(Checks { diagonal, floor: NEGLIGIBLE_PIVOT * largest })
     }
-}
 
-impl Factor {
-    /// Unknown and pivot of every column of the factor.
-    fn pivots(&self) -> Vec<(usize, f64)> {
-        let diagonal: Vec<f64> = match self.symbolic.raw() {
-            SymbolicCholeskyRaw::Simplicial(symbolic) => {
-                symbolic.col_ptr()[..symbolic.ncols()].iter().map(|&start| self.values[start]).collect()
-            }
-            SymbolicCholeskyRaw::Supernodal(symbolic) => {
-                let factor = supernodal::SupernodalLltRef::new(symbolic, &self.values);
-                (0..symbolic.n_supernodes())
-                    .flat_map(|s| {
-                        let block = factor.supernode(s).val();
-                        (0..block.ncols()).map(move |j| block[(j, j)])
-                    })
-                    .collect()
-            }
+    /// Eliminates all supernodes, pivots raised to `floor` where one is given; `None` where a pivot is not positive.
+    fn eliminate<T: Stored>(
+        &self,
+        matrix: &SymmetricMatrix,
+        floor: Option<f64>,
+    ) -> Result<Option<Eliminated<T>>, SparseError> {
+        let Plan { symbolic, tasks } = self.plan.as_ref();
+        let sizes: Vec<usize> = tasks.iter().map(|task| symbolic.num_stored(&task.supernodes)).collect();
+        let total = sizes.iter().sum();
+        // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
+        let too_large = |_| SparseError::TooLarge { dofs: symbolic.order.len() * symbolic.block };
+        Vec::<T>::new().try_reserve_exact(total).map_err(too_large)?;
+        let mut values = vec![T::default(); total];
+        let mut rest = values.as_mut_slice();
+        let take = |&size: &usize| {
+            let own;
+            (own, rest) = std::mem::take(&mut rest).split_at_mut(size);
+            Mutex::new((own, None::<Vec<f64>>))
         };
-        let order = self.symbolic.perm().map(|p| p.arrays().0);
-        diagonal.iter().enumerate().map(|(k, l)| (order.map_or(k, |order| order[k]), l * l)).collect()
-    }
-
-    /// Solves `A x = b` for one right-hand side or several, one after the other; `rhs` holds them and becomes the solutions.
-    ///
-    /// # Panics
-    ///
-    /// If `rhs` does not have one entry per unknown and right-hand side.
-    pub fn solve(&self, rhs: &mut [f64]) {
-        let dofs = self.symbolic.nrows();
-        let columns = rhs.len() / dofs;
-        let mut buffer = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(rhs, dofs, columns),
-            Par::Seq,
-            MemStack::new(&mut buffer),
-        );
+        let parts: Vec<Mutex<_>> = sizes.iter().map(take).collect();
+        let failed = AtomicBool::new(false);
+        tasks.upwards(|index, task, below| {
+            if failed.load(Ordering::Relaxed) {
+                return Update::default();
+            }
+            let mut elimination = Elimination::new(symbolic, floor, below);
+            let (factor, pivots) = &mut *lock(&parts[index]);
+            match elimination.run(task, matrix.values(), factor) {
+                Ok(found) => *pivots = Some(found),
+                Err(_) => failed.store(true, Ordering::Relaxed),
+            }
+            elimination.left()
+        });
+        let pivots: Option<Vec<Vec<f64>>> = parts.into_iter().map(|part| lock(&part).1.take()).collect();
+        Ok(pivots.map(|pivots| Eliminated { values, pivots: pivots.concat() }))
     }
 }
 
-/// Compressed columns of the lower triangle, unknown by unknown.
-fn columns(pattern: &Pattern) -> (Vec<usize>, Vec<usize>) {
-    let d = pattern.block();
-    let mut starts = Vec::with_capacity(pattern.num_dofs() + 1);
-    let mut rows = Vec::with_capacity(pattern.num_entries());
-    for node in 0..pattern.num_nodes() {
-        let neighbours = pattern.node_column(node);
-        for j in 0..d {
-            starts.push(rows.len());
-            let dofs = neighbours.iter().flat_map(|&row| (0..d).map(move |i| row as usize * d + i));
-            rows.extend(dofs.skip(j));
+/// What an elimination makes.
+struct Eliminated<T> {
+    /// The supernodes of the factor, one after the other.
+    values: Vec<T>,
+    /// The pivots of all their columns.
+    pivots: Vec<f64>,
+}
+
+/// What pivots are compared with.
+struct Checks {
+    /// Diagonal of the matrix.
+    diagonal: Vec<f64>,
+    floor: f64,
+}
+
+impl Checks {
+    /// The unknowns whose pivots vanish, increasing, and the smallest pivot over its diagonal entry.
+    fn undetermined(&self, symbolic: &Symbolic, pivots: &[f64]) -> (Vec<usize>, f64) {
+        let d = symbolic.block;
+        let (mut dofs, mut smallest) = (Vec::new(), f64::MAX);
+        let unknowns = symbolic.order.iter().flat_map(|&node| (0..d).map(move |j| node as usize * d + j));
+        for (dof, &pivot) in unknowns.zip(pivots) {
+            let relative = pivot / self.diagonal[dof];
+            smallest = smallest.min(relative);
+            if !(relative > VANISHING_PIVOT && pivot > self.floor) {
+                dofs.push(dof);
+            }
         }
+        dofs.sort_unstable();
+        (dofs, smallest)
     }
-    starts.push(rows.len());
-    (starts, rows)
-}
-
-/// Fill-reducing order of the nodes, each expanded to its unknowns: the graph of the nodes is `block^2` times smaller
-/// than that of the unknowns and has the same good orders.
-fn node_order(pattern: &Pattern) -> Result<(Vec<usize>, Vec<usize>), FaerError> {
-    let nodes = pattern.num_nodes();
-    let d = pattern.block();
-    let starts: Vec<usize> = std::iter::once(0)
-        .chain((0..nodes).scan(0, |sum, node| {
-            *sum += pattern.node_column(node).len();
-            Some(*sum)
-        }))
-        .collect();
-    let rows: Vec<usize> =
-        (0..nodes).flat_map(|node| pattern.node_column(node).iter().map(|&row| row as usize)).collect();
-    let graph = SymbolicSparseColMatRef::new_checked(nodes, nodes, &starts, None, &rows);
-    let mut buffer =
-        MemBuffer::try_new(amd::order_scratch::<usize>(nodes, rows.len())).map_err(|_| FaerError::OutOfMemory)?;
-    let (mut forward, mut inverse) = (vec![0; nodes], vec![0; nodes]);
-    amd::order(&mut forward, &mut inverse, graph, amd::Control::default(), MemStack::new(&mut buffer))?;
-    let expand = |order: &[usize]| order.iter().flat_map(|&node| (0..d).map(move |j| node * d + j)).collect();
-    Ok((expand(&forward), expand(&inverse)))
 }

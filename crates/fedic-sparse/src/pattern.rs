@@ -41,6 +41,8 @@ impl Pattern {
             }
             pair_starts.push(pair_places.len());
         }
+        cell_nodes.shrink_to_fit();
+        pair_places.shrink_to_fit();
         Self { block, node_starts, node_rows, cell_starts, cell_nodes, pair_starts, pair_places }
     }
 
@@ -69,9 +71,30 @@ impl Pattern {
         &self.cell_nodes[self.cell_starts[cell]..self.cell_starts[cell + 1]]
     }
 
+    /// Compressed columns of the lower triangle, unknown by unknown: where each column starts, and the rows of its entries.
+    pub fn lower_triangle(&self) -> (Vec<usize>, Vec<usize>) {
+        let d = self.block;
+        let mut starts = Vec::with_capacity(self.num_dofs() + 1);
+        let mut rows = Vec::with_capacity(self.num_entries());
+        for node in 0..self.num_nodes() {
+            for j in 0..d {
+                starts.push(rows.len());
+                let dofs = self.node_column(node).iter().flat_map(|&row| (0..d).map(move |i| row as usize * d + i));
+                rows.extend(dofs.skip(j));
+            }
+        }
+        starts.push(rows.len());
+        (starts, rows)
+    }
+
     /// Nodes of higher or equal index coupled to `node`, increasing.
     pub(crate) fn node_column(&self, node: usize) -> &[u32] {
         &self.node_rows[self.node_starts[node]..self.node_starts[node + 1]]
+    }
+
+    /// Number of blocks of the lower triangle.
+    pub(crate) fn num_blocks(&self) -> usize {
+        self.node_rows.len()
     }
 
     pub(crate) fn pairs(&self, cell: usize) -> &[u32] {
@@ -97,22 +120,39 @@ impl Pattern {
 
 /// Lower triangle of the node graph by columns, rows increasing.
 fn node_columns(num_nodes: usize, cell_starts: &[usize], cell_nodes: &[u32]) -> (Vec<usize>, Vec<u32>) {
-    let mut columns: Vec<Vec<u32>> = (0..num_nodes as u32).map(|node| vec![node]).collect();
-    for range in cell_starts.windows(2) {
-        let nodes = &cell_nodes[range[0]..range[1]];
+    let cells = || cell_starts.windows(2).map(|range| &cell_nodes[range[0]..range[1]]);
+    let pairs = |nodes: &[u32], treat: &mut dyn FnMut(u32, u32)| {
         for (a, &row) in nodes.iter().enumerate() {
-            for &column in &nodes[..a] {
-                columns[row.min(column) as usize].push(row.max(column));
+            nodes[..a].iter().for_each(|&column| treat(row.min(column), row.max(column)));
+        }
+    };
+    // Every pair of every cell first, each column with room for its own; then once each, moved together.
+    let mut ends = vec![1; num_nodes];
+    cells().for_each(|nodes| pairs(nodes, &mut |column, _| ends[column as usize] += 1));
+    let mut total = 0;
+    ends.iter_mut().for_each(|end| total += std::mem::replace(end, total));
+    let mut rows = vec![0; total];
+    let mut add = |column: u32, row: u32| {
+        rows[ends[column as usize]] = row;
+        ends[column as usize] += 1;
+    };
+    (0..num_nodes as u32).for_each(|node| add(node, node));
+    cells().for_each(|nodes| pairs(nodes, &mut add));
+    let mut starts = vec![0];
+    let (mut first, mut kept) = (0, 0);
+    for end in ends {
+        rows[first..end].sort_unstable();
+        let begin = kept;
+        for at in first..end {
+            if kept == begin || rows[kept - 1] != rows[at] {
+                rows[kept] = rows[at];
+                kept += 1;
             }
         }
+        starts.push(kept);
+        first = end;
     }
-    let mut starts = vec![0];
-    let mut rows = Vec::new();
-    for mut column in columns {
-        column.sort_unstable();
-        column.dedup();
-        rows.extend_from_slice(&column);
-        starts.push(rows.len());
-    }
+    rows.truncate(kept);
+    rows.shrink_to_fit();
     (starts, rows)
 }

@@ -41,7 +41,7 @@ fn run(reference: &str, deformed: &str, size: f64) -> Result<(), Box<dyn Error>>
     let mesh = rectangle_mesh([margin, margin, width - margin, height - margin], size, CellType::Quad)?;
 
     let correlator = Correlator::new(view(&f)?, &mesh, Arc::new(ImageFrame), Options::default(), &())?;
-    let solution = correlator.correlate(view(&g)?, Start::Pyramid, &())?;
+    let solution = correlator.correlate(view(&g)?, Start::Pyramid(view(&f)?), &())?;
 
     println!(
         "{} nodes, {} quadrature points: {} after {} iterations, residual {:.3} grey levels, {:.2} s",

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use fedic_camera::Camera;
-use fedic_image::{Image, ImageView, Interpolator, downsample};
+use fedic_image::{ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -17,12 +17,13 @@ use crate::{
 };
 
 /// Where the iterations start.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
     /// No displacement.
     Zero,
-    /// The displacement found on reduced images: converges from further away.
-    Pyramid,
+    /// The displacement found on reduced images: converges from further away. The image is the one that the correlator was made
+    /// of.
+    Pyramid(ImageView<'a>),
     /// A displacement per node of the mesh, in its unit; only nodes that a cell uses need a finite one.
     Field(&'a [[f64; COMPONENTS]]),
 }
@@ -36,7 +37,6 @@ pub struct Correlator {
     options: Options,
     size: [usize; 2],
     level: Level,
-    reduced: Option<Image>,
     pyramid: OnceLock<Pyramid>,
     pool: Option<ThreadPool>,
 }
@@ -58,7 +58,7 @@ impl Correlator {
         options.check()?;
         let pool = options.num_threads.map(thread_pool).transpose()?;
         let prepare = || {
-            // The order of the unknowns and the end of the factorisation keep one thread busy: the others do what they can.
+            // The order of the unknowns keeps one thread busy for a while: the others do what they can.
             let (system, sampler) = rayon::join(
                 || System::new(mesh),
                 || Sampler::new(reference, options.interpolation, options.gradient, options.prefilter),
@@ -70,20 +70,17 @@ impl Correlator {
                 wavelength: options.regularization,
                 whole_mesh: true,
             };
-            let (level, reduced) = rayon::join(
-                || Level::new(&system, Arc::clone(&camera), sampler, &settings, monitor),
-                || downsample(reference).ok(),
-            );
-            Ok::<_, Error>((system, level?, reduced))
+            let level = Level::new(&system, Arc::clone(&camera), sampler, &settings, monitor)?;
+            Ok::<_, Error>((system, level))
         };
-        let (system, level, reduced) = match &pool {
+        let (system, level) = match &pool {
             Some(pool) => pool.install(prepare),
             None => prepare(),
         }?;
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_std: 0.0 };
         monitor.progress(&prepared);
         let size = [reference.width(), reference.height()];
-        Ok(Self { system, camera, options, size, level, reduced, pyramid: OnceLock::new(), pool })
+        Ok(Self { system, camera, options, size, level, pyramid: OnceLock::new(), pool })
     }
 
     /// Number of quadrature points.
@@ -194,8 +191,15 @@ impl Correlator {
         let first = match start {
             Start::Zero => vec![[0.0; COMPONENTS]; self.system.mesh.num_nodes()],
             Start::Field(field) => self.system.restrict(field)?,
-            Start::Pyramid => {
-                self.pyramid(monitor)?.start(&self.system, deformed, self.options.brightness, &mut history, monitor)?
+            Start::Pyramid(reference) => {
+                self.check_size(reference)?;
+                self.pyramid(reference, monitor)?.start(
+                    &self.system,
+                    deformed,
+                    self.options.brightness,
+                    &mut history,
+                    monitor,
+                )?
             }
         };
         let interpolator = Interpolator::smoothed(deformed, self.options.interpolation, self.options.prefilter)?;
@@ -233,11 +237,11 @@ impl Correlator {
         })
     }
 
-    fn pyramid(&self, monitor: &dyn Monitor) -> Result<&Pyramid, Error> {
+    fn pyramid(&self, reference: ImageView<'_>, monitor: &dyn Monitor) -> Result<&Pyramid, Error> {
         if self.pyramid.get().is_none() {
-            let built = match &self.reduced {
-                Some(reduced) => Pyramid::new(&self.system, &self.camera, reduced, monitor)?,
-                None => Pyramid::empty(),
+            let built = match downsample(reference) {
+                Ok(reduced) => Pyramid::new(&self.system, &self.camera, &reduced, monitor)?,
+                Err(_) => Pyramid::empty(),
             };
             // Another thread may have been faster; both built the same.
             let _ = self.pyramid.set(built);

@@ -50,7 +50,7 @@ impl Iterations {
                     if let Some(penalty) = level.penalty {
                         hessian.add_scaled(penalty, &system.laplacian().matrix);
                     }
-                    system.factorize(hessian, &level.quadrature)?.solve(&mut step);
+                    system.factorize(hessian, false, &level.quadrature)?.solve(&mut step);
                 }
                 None => level.factor.solve(&mut step),
             }

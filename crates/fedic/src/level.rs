@@ -18,6 +18,8 @@ use crate::{Error, Monitor, Quadrature, Sampler, SolveError};
 
 /// Gradients below this fraction of those of the best cells count as none.
 const FLAT_GRADIENT: f64 = 1e-3;
+/// From this number of unknowns on the factor is worth making small: it takes 60 MB then.
+const COMPACT_DOFS: usize = 100_000;
 
 /// A level of the pyramid; level 0 is the image as it is.
 pub(crate) struct Level {
@@ -121,7 +123,9 @@ impl Level {
             hessian.add_scaled(factor, &system.laplacian().matrix);
             factor
         });
-        let factor = system.factorize(&hessian, &quadrature)?;
+        // A penalty makes the system stiff, whatever its pivots say.
+        let compact = settings.wavelength.is_none() && system.pattern.num_dofs() >= COMPACT_DOFS;
+        let factor = system.factorize(&hessian, compact, &quadrature)?;
         Ok(Self { camera, quadrature, points, pivot, moments: cell_moments, brightness, factor, penalty })
     }
 

@@ -25,7 +25,8 @@ impl System {
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.compact();
         let pattern = Pattern::new(mesh.num_nodes(), COMPONENTS, mesh.cells().map(|cell| cell.nodes));
-        let cholesky = Cholesky::new(&pattern).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
+        let cholesky = Cholesky::of_mesh(&pattern, mesh.points())
+            .map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
         Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes(), laplacian: OnceLock::new() })
     }
 
@@ -42,13 +43,15 @@ impl System {
         }
     }
 
-    /// Factorises a Hessian; where it is singular, names the nodes.
+    /// Factorises a Hessian, `compact` if the factor is to be kept and to be small; where it is singular, names the nodes.
     pub(crate) fn factorize(
         &self,
         matrix: &SymmetricMatrix,
+        compact: bool,
         quadrature: &CellQuadrature,
     ) -> Result<Factor, SolveError> {
-        self.cholesky.factorize(matrix).map_err(|error| {
+        let factor = if compact { self.cholesky.factorize_compact(matrix) } else { self.cholesky.factorize(matrix) };
+        factor.map_err(|error| {
             let dofs = match error {
                 SparseError::Singular { dofs } => dofs,
                 SparseError::NonFinite => (0..self.pattern.num_dofs()).collect(),

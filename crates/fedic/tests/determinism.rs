@@ -23,7 +23,7 @@ fn solve(images: &[Image; 2], options: &Options, num_threads: Option<usize>) -> 
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
     let options = Options { num_threads, ..options.clone() };
     let correlator = Correlator::new(images[0].view(), &mesh, Arc::new(ImageFrame), options, &()).unwrap();
-    correlator.correlate(images[1].view(), Start::Pyramid, &()).unwrap()
+    correlator.correlate(images[1].view(), Start::Pyramid(images[0].view()), &()).unwrap()
 }
 
 #[test]

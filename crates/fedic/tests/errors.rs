@@ -131,7 +131,7 @@ fn images_without_texture_are_refused() {
          be measured without a texture"
     );
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
-    for start in [Start::Zero, Start::Pyramid] {
+    for start in [Start::Zero, Start::Pyramid(reference.view())] {
         let error = correlator.correlate(flat(117.0).view(), start, &()).unwrap_err();
         assert!(matches!(error, Error::Flat { which: "deformed", std } if std < 1e-3), "{error:?}");
         assert!(error.to_string().starts_with("the deformed image is flat where the mesh lies: "));
@@ -220,8 +220,8 @@ fn unused_nodes_are_nan_and_disturb_nothing() {
     let solve = |mesh: &Mesh, start: Start<'_>| {
         prepare(&reference, mesh, Options::default()).unwrap().correlate(deformed.view(), start, &()).unwrap()
     };
-    let compact = solve(&mesh, Start::Pyramid);
-    let with_unused = solve(&sparse, Start::Pyramid);
+    let compact = solve(&mesh, Start::Pyramid(reference.view()));
+    let with_unused = solve(&sparse, Start::Pyramid(reference.view()));
     for field in [&with_unused.displacement, &with_unused.pixel_displacement] {
         assert!(field.iter().step_by(2).flatten().all(|c| c.is_nan()));
     }
@@ -291,7 +291,10 @@ fn a_monitor_stops_the_work_wherever_it_is() {
         assert_eq!(result, Err(Error::Cancelled), "after {patience} questions");
     }
     let monitor = Impatient::new(3);
-    assert_eq!(correlator.correlate(deformed.view(), Start::Pyramid, &monitor), Err(Error::Cancelled));
+    assert_eq!(
+        correlator.correlate(deformed.view(), Start::Pyramid(reference.view()), &monitor),
+        Err(Error::Cancelled)
+    );
     // What was cancelled while it was built is built anew.
-    assert!(correlator.correlate(deformed.view(), Start::Pyramid, &()).unwrap().converged);
+    assert!(correlator.correlate(deformed.view(), Start::Pyramid(reference.view()), &()).unwrap().converged);
 }

@@ -16,7 +16,7 @@ fn the_pyramid_finds_what_zero_does_not() {
     let mesh = mixed_mesh([32.4, 33.1], 8, 21.0);
     let correlator = Correlator::new(images[0].view(), &mesh, Arc::new(ImageFrame), Options::default(), &()).unwrap();
 
-    let coarse_to_fine = correlator.correlate(images[1].view(), Start::Pyramid, &()).unwrap();
+    let coarse_to_fine = correlator.correlate(images[1].view(), Start::Pyramid(images[0].view()), &()).unwrap();
     assert!(coarse_to_fine.converged);
     let error = largest_error(&mesh, &coarse_to_fine.displacement, motion);
     assert!(error < 1e-2, "{error:e}");
@@ -47,5 +47,5 @@ fn a_mesh_too_small_for_a_pyramid_starts_from_zero() {
     let mesh = mixed_mesh([30.2, 30.4], 1, 11.0);
     let correlator = Correlator::new(images[0].view(), &mesh, Arc::new(ImageFrame), Options::default(), &()).unwrap();
     let start = |start| correlator.correlate(images[1].view(), start, &()).unwrap();
-    assert_eq!(start(Start::Pyramid), start(Start::Zero));
+    assert_eq!(start(Start::Pyramid(images[0].view())), start(Start::Zero));
 }
