@@ -19,7 +19,7 @@ from fedic.calibration.lens import Lens
 from fedic.calibration.start import pose_of, start
 from fedic.errors import CameraError
 
-__all__ = ["Fit", "fit"]
+__all__ = ["Fit", "cauchy_weights", "fit"]
 
 _MEDIAN_OF_RAYLEIGH = float(np.sqrt(2.0 * np.log(2.0)))
 _FAR_POINT = 6.0
@@ -157,14 +157,20 @@ def _robust(lens: Lens, observations: list[Observation], estimate: Estimate) -> 
     """Return the fit with Cauchy weights, from the least-squares fit."""
     previous = np.inf
     for _ in range(_ROUNDS):
-        lengths = _lengths(Bundle(lens, observations).residuals(estimate))
-        noise = _noise(lengths)
+        residuals = Bundle(lens, observations).residuals(estimate)
+        noise = _noise(_lengths(residuals))
         if abs(noise - previous) <= 1e-3 * noise:
             break
         previous = noise
-        weights = [1.0 / (1.0 + (length / (_CAUCHY * noise)) ** 2) for length in lengths]
-        estimate, _ = Bundle(lens, observations, weights).minimise(estimate, 10)
+        estimate, _ = Bundle(lens, observations, cauchy_weights(residuals)).minimise(estimate, 10)
     return estimate
+
+
+def cauchy_weights(residuals: list[Floats]) -> list[Floats]:
+    """Return weights (n,) of the points of each view by their residuals (n, 2): small for those that are far off."""
+    lengths = _lengths(residuals)
+    reach = _CAUCHY * _noise(lengths)
+    return [1.0 / (1.0 + (length / reach) ** 2) for length in lengths]
 
 
 def _fault(lengths: Floats, used: NDArray[np.bool_], noise: float) -> str:

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fedic._types import Floats
 from fedic.calibration.bundle import Bundle, Estimate, Observation
-from fedic.calibration.fit import Fit, fit
+from fedic.calibration.fit import Fit, cauchy_weights, fit
 from fedic.calibration.lens import BROWN
 from fedic.calibration.smoothing import smoothed
 from fedic.calibration.spline_lens import SplineLens
@@ -49,26 +48,26 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
             f"thousand, all over the image; the views have {count}. Take more views, or 'radial1'."
         )
     first = fit(BROWN, observations, image_size)
-    retinal = [_retinal(first, observations[view], view)[first.used[view]] for view in first.accepted]
-    lens = SplineLens.over(name, np.concatenate(retinal), float(first.estimate.intrinsics[:2].max()))
-    poses = first.estimate.rotations, first.estimate.translations
-    estimate = Estimate(np.concatenate([first.estimate.intrinsics[:4], np.zeros(lens.size - 4)]), *poses)
-
     kept = [observations[view] for view in first.accepted]
-    weights = [first.used[view].astype(np.float64) for view in first.accepted]
-    lens = replace(lens, smoothing=_FIRST_SMOOTHING)
+    weights = cauchy_weights([first.residuals[view] for view in first.accepted])
+    lens, start = _begun(name, kept, first.estimate.of(first.accepted))
+    near, _ = Bundle(lens, kept, weights).minimise(start, _FIRST_ITERATIONS)
+    # The poses have moved with the rigid part that left the field, and the points on the retinal plane with them.
+    lens, start = _begun(name, kept, near)
     bundle = Bundle(lens, kept, weights)
-    near, _ = bundle.minimise(estimate.of(first.accepted), _FIRST_ITERATIONS)
+    near, _ = bundle.minimise(start, _FIRST_ITERATIONS)
     lens = smoothed(lens, bundle, len(kept), near)
 
-    estimate.rotations[first.accepted], estimate.translations[first.accepted] = near.rotations, near.translations
-    found = fit(lens, observations, image_size, replace(estimate, intrinsics=near.intrinsics))
+    rotations, translations = first.estimate.rotations.copy(), first.estimate.translations.copy()
+    rotations[first.accepted], translations[first.accepted] = near.rotations, near.translations
+    found = fit(lens, observations, image_size, Estimate(near.intrinsics, rotations, translations))
     return replace(found, initial_errors=first.initial_errors)
 
 
-def _retinal(fitted: Fit, seen: Observation, view: int) -> Floats:
-    """Return the undistorted retinal points (n, 2) of a view."""
-    estimate = fitted.estimate
-    positions = seen.points @ estimate.rotations[view].T + estimate.translations[view]
-    retinal: Floats = positions[:, :2] / positions[:, 2:]
-    return retinal
+def _begun(name: str, seen: list[Observation], estimate: Estimate) -> tuple[SplineLens, Estimate]:
+    """Return a lens over the points of the views as an estimate has them, and the estimate with no field."""
+    poses = zip(seen, estimate.rotations, estimate.translations, strict=True)
+    positions = np.concatenate([each.points @ rotation.T + translation for each, rotation, translation in poses])
+    focal = float(estimate.intrinsics[:2].max())
+    lens = replace(SplineLens.over(name, positions[:, :2] / positions[:, 2:], focal), smoothing=_FIRST_SMOOTHING)
+    return lens, replace(estimate, intrinsics=np.concatenate([estimate.intrinsics[:4], np.zeros(lens.size - 4)]))

@@ -126,9 +126,9 @@ def _views(scene: Scene, rng: np.random.Generator) -> _Views:
     for view in range(VIEWS):
         angles = rng.uniform(-1.0, 1.0, 3) * (LARGEST_TILT, LARGEST_TILT, LARGEST_TURN)
         place = np.array([view // 2 % 2, view % 2]) if view % 6 < 4 else rng.uniform(0.0, 1.0, 2)
-        middle = 0.5 * np.array([WIDTH, HEIGHT])
+        distance, middle = rng.uniform(0.95, 1.05), 0.5 * np.array([WIDTH, HEIGHT])
         for _ in range(10):
-            points, pixels = _seen(scene, angles, middle, rng.uniform(0.95, 1.05))
+            points, pixels = _seen(scene, angles, middle, distance)
             low, high = pixels.min(axis=0) - MARGIN, pixels.max(axis=0) + MARGIN
             middle = middle + place * (np.array([WIDTH, HEIGHT]) - high) + (1.0 - place) * (0.0 - low)
         views.points.append(points)
