@@ -11,7 +11,7 @@ from fedic._core import BrownDistortion, Pinhole
 from fedic._types import Floats
 from fedic.errors import CameraError
 
-__all__ = ["BROWN", "SPLINES", "BrownLens", "Lens", "parse_lens"]
+__all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]
 
 _COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
 """The place of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
@@ -152,8 +152,8 @@ class BrownLens:
         return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), distortion
 
 
-BROWN = BrownLens("brown", _WORDS["brown"])
-"""The richest of the usual models."""
+BROWN, RADIAL = (BrownLens(word, _WORDS[word]) for word in ("brown", "radial1"))
+"""The richest and the plainest of the models with a lens."""
 
 
 def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:

@@ -10,7 +10,7 @@ from fedic.calibration.spline_lens import SplineLens
 __all__ = ["smoothed"]
 
 _FOLDS = 5
-_TRIED = np.logspace(-10.0, 2.0, 13)
+_TRIED = np.logspace(-13.0, 2.0, 16)
 
 
 def smoothed(lens: SplineLens, bundle: Bundle, views: int, estimate: Estimate) -> SplineLens:

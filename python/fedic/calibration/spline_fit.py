@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from fedic._types import Floats
 from fedic.calibration.bundle import Bundle, Estimate, Observation
 from fedic.calibration.fit import Fit, cauchy_weights, fit
-from fedic.calibration.lens import BROWN
+from fedic.calibration.lens import RADIAL
 from fedic.calibration.smoothing import smoothed
 from fedic.calibration.spline_lens import SplineLens
 from fedic.errors import CameraError
@@ -47,15 +48,17 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
             f"A {name} lens takes its shape from the points alone and needs at least {_FEWEST_POINTS}, better a few "
             f"thousand, all over the image; the views have {count}. Take more views, or 'radial1'."
         )
-    first = fit(BROWN, observations, image_size)
+    first = fit(RADIAL, observations, image_size)
     kept = [observations[view] for view in first.accepted]
     weights = cauchy_weights([first.residuals[view] for view in first.accepted])
-    lens, start = _begun(name, kept, first.estimate.of(first.accepted))
-    near, _ = Bundle(lens, kept, weights).minimise(start, _FIRST_ITERATIONS)
-    # The poses have moved with the rigid part that left the field, and the points on the retinal plane with them.
-    lens, start = _begun(name, kept, near)
-    bundle = Bundle(lens, kept, weights)
-    near, _ = bundle.minimise(start, _FIRST_ITERATIONS)
+    pixels = np.concatenate([each.pixels for each in kept])
+    camera = RADIAL.camera(first.estimate.intrinsics, np.eye(3), np.zeros(3))
+    near = first.estimate.of(first.accepted)
+    for _ in range(2):  # the first field takes the poses along, and the points on the retinal plane with them
+        lens = replace(SplineLens.over(name, _retinal(kept, near), pixels, camera), smoothing=_FIRST_SMOOTHING)
+        start = replace(near, intrinsics=np.concatenate([near.intrinsics[:4], np.zeros(lens.size - 4)]))
+        bundle = Bundle(lens, kept, weights)
+        near, _ = bundle.minimise(start, _FIRST_ITERATIONS)
     lens = smoothed(lens, bundle, len(kept), near)
 
     rotations, translations = first.estimate.rotations.copy(), first.estimate.translations.copy()
@@ -64,10 +67,9 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
     return replace(found, initial_errors=first.initial_errors)
 
 
-def _begun(name: str, seen: list[Observation], estimate: Estimate) -> tuple[SplineLens, Estimate]:
-    """Return a lens over the points of the views as an estimate has them, and the estimate with no field."""
+def _retinal(seen: list[Observation], estimate: Estimate) -> Floats:
+    """Return the undistorted retinal points (n, 2) of all views."""
     poses = zip(seen, estimate.rotations, estimate.translations, strict=True)
     positions = np.concatenate([each.points @ rotation.T + translation for each, rotation, translation in poses])
-    focal = float(estimate.intrinsics[:2].max())
-    lens = replace(SplineLens.over(name, positions[:, :2] / positions[:, 2:], focal), smoothing=_FIRST_SMOOTHING)
-    return lens, replace(estimate, intrinsics=np.concatenate([estimate.intrinsics[:4], np.zeros(lens.size - 4)]))
+    retinal: Floats = positions[:, :2] / positions[:, 2:]
+    return retinal

@@ -1,12 +1,10 @@
-"""The non-parametric model: a pure projective camera and a field of displacements on the retinal plane.
-
-It is that of the paper's Fig. 12.
+"""The non-parametric model: a field of displacements on the retinal plane, whatever its shape (paper, Fig. 12).
 
 The paper fits the field to what a pure projective calibration leaves. There each pose has already taken its part of the
-distortion, another in every view; here the field and the poses are unknowns of one least-squares problem. Nothing tells
-a common shift, scale or turn of the field from another principal point, focal length or turn of all poses: this rigid
-part is kept out of the field. Fourth differences of the coefficients are penalised, as much as
-`fedic.calibration.smoothing` finds right; a lens of one radial coefficient has none.
+distortion, another in every view; here the field and the poses are unknowns of one least-squares problem, and the field
+is what is added to the one radial coefficient of a first fit. Nothing tells a common shift, scale or turn of the field
+from another principal point, focal length or turn of all poses: this rigid part is kept out of what is added. Its
+fourth differences are penalised, as much as `fedic.calibration.smoothing` finds right.
 """
 
 from dataclasses import dataclass
@@ -16,7 +14,7 @@ from math import comb
 import numpy as np
 
 from fedic._core import InverseSplineDistortion, Pinhole, SplineDistortion, spline_basis
-from fedic._types import Floats
+from fedic._types import Distortion, Floats
 
 __all__ = ["SplineLens"]
 
@@ -25,15 +23,16 @@ _FEWEST_INTERVALS, _MOST_INTERVALS = 4, 16
 _MARGIN = 0.005
 """Of the extent of the points, by which the domain reaches beyond them: they still move a little."""
 _ORDER = 4
-_RIGID_GRID = 60
-_INVERSE_TOLERANCE_PX = 1e-4
+_GRID = 60
+_INVERSE_TOLERANCE_PX = 3e-4
 
 
 @dataclass(frozen=True, eq=False)
 class SplineLens:
     """A camera whose lens is a tensor-product cubic B-spline.
 
-    Its unknowns are fx, fy, cx, cy, the coefficients of the displacement along x, and of that along y.
+    Its unknowns are fx, fy, cx, cy, and what is added to the coefficients of a first lens: of the displacement along x,
+    then along y.
 
     Attributes
     ----------
@@ -43,6 +42,10 @@ class SplineLens:
         On the retinal plane.
     intervals : (int, int)
         Along x and y.
+    first : ndarray, shape (number of coefficients, 2)
+        Coefficients that follow the first lens.
+    image : (u0, v0, u1, v1)
+        The part of the image the points lie in, in pixels: the domain of the inverse form, which has points all over.
     unit : float
         What the points weigh on a coefficient, about: pixels squared.
     smoothing : float
@@ -52,21 +55,36 @@ class SplineLens:
     name: str
     domain: tuple[float, float, float, float]
     intervals: tuple[int, int]
+    first: Floats
+    image: tuple[float, float, float, float]
     unit: float
     smoothing: float = 0.0
 
     @classmethod
-    def over(cls, name: str, points: Floats, focal: float) -> "SplineLens":
-        """Choose domain and intervals for the retinal points (n, 2) of a calibration and a focal length in pixels."""
-        low, high = points.min(axis=0), points.max(axis=0)
-        low, high = low - _MARGIN * (high - low), high + _MARGIN * (high - low)
-        sides = high - low
+    def over(cls, name: str, points: Floats, pixels: Floats, first: Pinhole) -> "SplineLens":
+        """Choose domain and intervals for the points of a calibration.
+
+        Parameters
+        ----------
+        name : str
+            ``"spline"`` or ``"inverse-spline"``.
+        points, pixels : ndarray, shape (n, 2)
+            Retinal points without distortion, and where they are seen.
+        first : Pinhole
+            A first fit.
+        """
+        domain = _box(points)
+        sides = np.subtract(domain[2:], domain[:2])
         density = np.sqrt(len(points) / _POINTS_PER_COEFFICIENT / sides.prod())
         density = np.clip(density, _FEWEST_INTERVALS / sides.min(), None)
         density = min(density, _MOST_INTERVALS / sides.max())
         nx, ny = (max(round(float(side * density)), 1) for side in sides)
-        unit = focal**2 * len(points) / ((nx + 3) * (ny + 3))
-        return cls(name, (float(low[0]), float(low[1]), float(high[0]), float(high[1])), (nx, ny), unit)
+        places = _grid(domain)
+        basis = spline_basis(domain, (nx, ny), places)[0]
+        field = np.zeros_like(places) if first.distortion is None else first.distortion.distort(places) - places
+        coefficients = np.linalg.lstsq(basis, field, rcond=None)[0]
+        unit = max(first.focal) ** 2 * len(points) / len(coefficients)
+        return cls(name, domain, (nx, ny), coefficients, _box(pixels), unit)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -115,12 +133,11 @@ class SplineLens:
 
         The data do not feel it where poses and intrinsic parameters follow, so that its weight does not matter.
         """
-        x0, y0, x1, y1 = self.domain
-        grid = np.stack(np.meshgrid(np.linspace(x0, x1, _RIGID_GRID), np.linspace(y0, y1, _RIGID_GRID)), axis=-1)
-        x, y = grid.reshape(-1, 2).T
+        places = _grid(self.domain)
+        x, y = places.T
         zero, one = np.zeros_like(x), np.ones_like(x)
         fields = [(one, zero), (zero, one), (x, zero), (zero, y), (-y, x), (x * y, 1 + y * y), (1 + x * x, x * y)]
-        basis = spline_basis(self.domain, self.intervals, grid.reshape(-1, 2))[0]
+        basis = spline_basis(self.domain, self.intervals, places)[0]
         rigid = np.array([np.concatenate([basis.T @ along, basis.T @ across]) for along, across in fields])
         directions, _ = np.linalg.qr(rigid.T)
         form: Floats = np.zeros((self.size, self.size))
@@ -130,7 +147,7 @@ class SplineLens:
     def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
         """Project points of the camera frame, see `Lens.linearised`."""
         fx, fy, cx, cy = values[:4]
-        along, across = values[4 : 4 + self._count], values[4 + self._count :]
+        along, across = self._coefficients(values)
         depth = positions[:, 2:]
         retinal = positions[:, :2] / depth
         basis, by_x, by_y = spline_basis(self.domain, self.intervals, retinal)
@@ -155,16 +172,18 @@ class SplineLens:
         fx, fy, cx, cy = (float(value) for value in values[:4])
         tx, ty, tz = (float(value) for value in translation)
         width, height = (count + 3 for count in self.intervals)
-        direct = SplineDistortion(self.domain, np.moveaxis(values[4:].reshape(2, height, width), 0, -1))
-        inverse = self.name == "inverse-spline"
-        tolerance = _INVERSE_TOLERANCE_PX / max(fx, fy)
-        return Pinhole(
-            (fx, fy),
-            (cx, cy),
-            rotation=rotation,
-            translation=(tx, ty, tz),
-            distortion=InverseSplineDistortion.from_lens(direct, tolerance=tolerance) if inverse else direct,
-        )
+        direct = SplineDistortion(self.domain, self._coefficients(values).T.reshape(height, width, 2))
+        lens: Distortion = direct
+        if self.name == "inverse-spline":
+            u0, v0, u1, v1 = self.image
+            domain = ((u0 - cx) / fx, (v0 - cy) / fy, (u1 - cx) / fx, (v1 - cy) / fy)
+            lens = InverseSplineDistortion.from_lens(direct, domain, _INVERSE_TOLERANCE_PX / max(fx, fy))
+        return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
+
+    def _coefficients(self, values: Floats) -> Floats:
+        """Return the coefficients (2, number of them) of the displacement."""
+        coefficients: Floats = self.first.T + values[4:].reshape(2, -1)
+        return coefficients
 
     @property
     def _count(self) -> int:
@@ -176,6 +195,19 @@ class SplineLens:
         form[4 : 4 + self._count, 4 : 4 + self._count] = field
         form[4 + self._count :, 4 + self._count :] = field
         return form
+
+
+def _grid(domain: tuple[float, float, float, float]) -> Floats:
+    """Return points (n, 2) all over a rectangle, its borders included."""
+    x, y = np.meshgrid(np.linspace(domain[0], domain[2], _GRID), np.linspace(domain[1], domain[3], _GRID))
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def _box(points: Floats) -> tuple[float, float, float, float]:
+    """Return left, top, right and bottom of a rectangle around points (n, 2), with a margin."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    (x0, y0), (x1, y1) = low - _MARGIN * (high - low), high + _MARGIN * (high - low)
+    return float(x0), float(y0), float(x1), float(y1)
 
 
 def _differences(count: int, order: int) -> Floats:

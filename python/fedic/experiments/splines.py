@@ -196,12 +196,15 @@ def _errors_of_camera(scene: Scene, camera: Pinhole) -> Floats:
 
 
 def _difference(direct: object, inverse: object) -> float:
-    """Return the largest distance of where two lenses show a point of the domain of the first, in pixels."""
+    """Return the largest distance of where two lenses show a point within the domains of both, in pixels."""
     assert isinstance(direct, SplineDistortion)
     assert isinstance(inverse, InverseSplineDistortion)
+    x0, y0, x1, y1 = inverse.domain
+    seen = np.stack(np.meshgrid(np.linspace(x0, x1, 101), np.linspace(y0, y1, 101)), axis=-1).reshape(-1, 2)
+    points = inverse.undistort(seen)
     x0, y0, x1, y1 = direct.domain
-    points = np.stack(np.meshgrid(np.linspace(x0, x1, 101), np.linspace(y0, y1, 101)), axis=-1).reshape(-1, 2)
-    return float(FOCAL * np.abs(direct.distort(points) - inverse.distort(points)).max())
+    inside = (points >= (x0, y0)).all(axis=1) & (points <= (x1, y1)).all(axis=1)
+    return float(FOCAL * np.abs(direct.distort(points[inside]) - seen[inside]).max())
 
 
 def _worst(rows: list[Row], models: tuple[str, ...], *keys: str) -> float:
