@@ -1,6 +1,7 @@
 """Lenses made of splines: from Python, in files, in calibrations and in measurements."""
 
 import pickle
+import warnings
 from pathlib import Path
 
 import cv2
@@ -114,10 +115,16 @@ def test_beyond_the_domain_one_is_warned(direct: fedic.SplineDistortion, speckle
         call(points[:2])
         with pytest.warns(fedic.CalibrationWarning, match=r"outside the domain the lens was calibrated in.*covers"):
             call(points)
+    with warnings.catch_warnings():  # what is not seen at all is no extrapolation
+        warnings.simplefilter("error")
+        assert np.isnan(camera(direct).project([[0.0, 0.0, 1000.0]])).all()
     near = fedic.SplineDistortion.from_lens(fedic.BrownDistortion((-0.1, 0.0, 0.0)), (-0.08, -0.08, 0.08, 0.08))
     view = fedic.Pinhole((900.0, 900.0), (100.0, 80.0), np.diag([1.0, -1.0, -1.0]), (0.0, 0.0, 900.0), distortion=near)
     with pytest.warns(fedic.CalibrationWarning, match=r"5 of 35 nodes of the mesh lie outside .* first being node 6"):
         fedic.Correlator(speckle_pair[0], fedic.rectangle_mesh((-60.0, -40.0, 75.0, 40.0), 22.0), view)
+    with pytest.warns(fedic.CalibrationWarning) as told:
+        fedic.correlate(*speckle_pair, fedic.rectangle_mesh((-60.0, -40.0, 75.0, 40.0), 22.0), view)
+    assert {each.filename for each in told} == {__file__}
 
 
 @pytest.mark.parametrize(
@@ -132,6 +139,8 @@ def test_beyond_the_domain_one_is_warned(direct: fedic.SplineDistortion, speckle
         (lambda: fedic.SplineDistortion.from_lens(fedic.BrownDistortion((-30, 0, 0)), DOMAIN), "does not reach"),
         (lambda: fedic.InverseSplineDistortion.from_lens(fedic.BrownDistortion((-30, 0, 0)), DOMAIN), "does not reach"),
         (lambda: fedic.SplineDistortion.from_lens(BROWN, DOMAIN, 1e-20), "no spline follows the lens"),
+        (lambda: fedic.SplineDistortion.from_lens(BROWN, DOMAIN, float("nan")), "tolerance .* must be positive"),
+        (lambda: fedic.SplineDistortion((0, 0, 1e-320, 1), np.zeros((5, 5, 2))), "x0 < x1"),
         (lambda: camera(BROWN).covers("here"), "points must be"),
     ],
 )
@@ -150,7 +159,12 @@ def test_files_hold_a_spline(
         fedic.write_camera(camera(direct), tmp_path / "camera.yml")
     text = path.read_text()
     for right, wrong, message in (
-        ('"inverse-spline"', '"splin"', r"distortion\.model.*splin"),
+        (
+            '"inverse-spline"',
+            '"splin"',
+            r"distortion\.model = 'splin' is unknown; choose one of brown, spline, inverse",
+        ),
+        ("domain = [-", "domain = [1", r"InverseSplineDistortion\.toml: the domain of a spline is"),
         ("[[[", "[[[0.0, ", r"distortion\.coefficients\[0\]\[0\]"),
         ("[[[", "[[[0.0, 0.0]], [[", r"distortion\.coefficients = .* should have rows of one length"),
         ("domain = ", "domains = ", r'distortion\.domains is not a known key; did you mean "domain"'),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fedic._core import __version__
-from fedic.errors import FedicError
+from fedic.errors import CameraError, FedicError
 from fedic.progress import TerminalProgress
 
 if TYPE_CHECKING:
@@ -87,7 +87,8 @@ def calibrate_command(
         str,
         typer.Option(
             "--distortion",
-            help="none, radial1, radial2, radial3, decentering, prism, brown, or several joined by +.",
+            help="none, radial1, radial2, radial3, decentering, prism, brown, or several joined by +; spline or "
+            "inverse-spline for a lens of any shape.",
         ),
     ] = "radial1",
     output: Annotated[Path, typer.Option("--output", help=".toml, or .yml, .yaml, .xml for OpenCV.")] = Path(
@@ -104,10 +105,13 @@ def calibrate_command(
     """Calibrate a camera from images of a flat target."""
     with _faults_reported():
         from fedic.calibration import calibrate
+        from fedic.calibration.lens import parse_lens
         from fedic.calibration.picture import check_picture
         from fedic.camera_files import check_writable
 
         check_writable(output, overwrite=overwrite)
+        if isinstance(parse_lens(distortion), str) and output.suffix.lower() != ".toml":
+            raise CameraError(f"{output}: only a .toml file holds a lens made of a spline; give --output camera.toml.")
         if picture is not None:
             check_picture(picture)
         with TerminalProgress("calibration") as progress:

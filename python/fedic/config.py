@@ -187,6 +187,8 @@ class SplineSection(_Section):
     def _rectangular(cls, rows: list[list[tuple[float, float]]]) -> list[list[tuple[float, float]]]:
         if len({len(row) for row in rows}) != 1:
             raise ValueError("should have rows of one length")
+        if len(rows) < 4 or len(rows[0]) < 4:
+            raise ValueError("should have at least 4 rows of 4 pairs, for one interval along each axis")
         return rows
 
     def build(self) -> Distortion:
@@ -197,7 +199,8 @@ class SplineSection(_Section):
 
 def _lens_kind(value: object) -> str:
     if isinstance(value, dict):
-        return "spline" if value.get("model") in ("spline", "inverse-spline") else "brown"
+        model = str(value.get("model", "brown"))
+        return "spline" if model in ("spline", "inverse-spline") else model
     return "spline" if isinstance(value, SplineSection) else "brown"
 
 
@@ -339,6 +342,7 @@ _SECTIONS: dict[str, type[_Section]] = {
     "output": OutputSection,
 }
 _CAMERA_MODELS = ("image-frame", "front-parallel", "pinhole")
+_LENS_MODELS = ("brown", "spline", "inverse-spline")
 
 
 def load_config(path: Path) -> Config:
@@ -431,7 +435,10 @@ def parse_camera(path: Path, content: dict[str, Any]) -> Camera:
         raise _config_error(path, error, within="camera.") from error
     if isinstance(section, CameraFileSection):
         raise ConfigError(f"{path}: file names another camera file; this file should hold the camera itself.", "file")
-    return section.build()
+    try:
+        return section.build()
+    except CameraError as error:
+        raise CameraError(f"{path}: {error}") from error
 
 
 def _check_files(path: Path, config: Config) -> None:
@@ -474,7 +481,8 @@ def _fault(details: ErrorDetails) -> tuple[str, str]:
         return f"{key}.model", f"is missing; choose one of {', '.join(_CAMERA_MODELS)}."
     if kind == "union_tag_invalid":
         given = details["input"]["model"]
-        return f"{key}.model", f"= {given!r} is unknown; choose one of {', '.join(_CAMERA_MODELS)}."
+        models = _LENS_MODELS if location[-1] == "distortion" else _CAMERA_MODELS
+        return f"{key}.model", f"= {given!r} is unknown; choose one of {', '.join(models)}."
     if kind == "path_type":
         return key, f"= {_short(details['input'])} should be the name of a file or folder."
     expected = details["msg"].removeprefix("Value error, ").removeprefix("Input ")

@@ -1,5 +1,6 @@
 """The measurement: from two images, a mesh and a camera to a displacement field."""
 
+import sys
 import warnings
 from typing import Literal, TypeAlias
 
@@ -315,8 +316,16 @@ def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str
             f"{outside.size} of {mesh.num_nodes} nodes {what} outside the domain the lens was calibrated in, the first "
             f"being node {outside[0]}: it is extrapolated there, and what is measured there with it.",
             CalibrationWarning,
-            stacklevel=3,
+            stacklevel=_levels_within_fedic(),
         )
+
+
+def _levels_within_fedic() -> int:
+    """Return how many calls up, counted from the caller, the code that uses fedic is."""
+    levels, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("fedic."):
+        levels, frame = levels + 1, frame.f_back
+    return levels
 
 
 def _rule(quadrature: Quadrature) -> tuple[Literal["rotated", "edges", "diameter", "pixel"], float]:

@@ -1,5 +1,9 @@
 //! The one interface of every camera.
 
+/// Precisions in pixels: far below what images tell. To follow the pieces of a spline more closely is not worth the time.
+const SMOOTH: f64 = 1e-6;
+const IN_PIECES: f64 = 1e-4;
+
 /// A projector from the physical space to the image.
 ///
 /// The two functions of a single point are all that a camera must give; those of many points follow from them and are
@@ -27,10 +31,14 @@ pub trait Camera: Send + Sync {
         true
     }
 
-    /// A difference of positions, in pixels, that nobody can tell with this camera: what a simpler projection over a small
-    /// part of its view may differ from it.
+    /// By how many pixels a simpler projection over a small part of the view may differ from this one.
     fn precision(&self) -> f64 {
-        1e-6
+        if self.is_in_pieces() { IN_PIECES } else { SMOOTH }
+    }
+
+    /// Whether the lens is made of pieces, between which its third derivatives jump.
+    fn is_in_pieces(&self) -> bool {
+        false
     }
 
     /// World point of the plane `Z = z` seen at `pixel` by this camera without its lens distortion: exact for a camera

@@ -5,8 +5,6 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::{Camera, CameraError, Distortion};
 
 const ROTATION_TOLERANCE: f64 = 1e-6;
-/// In pixels: the third derivatives of a spline jump, by less than what any calibration knows of them.
-const SPLINE_PRECISION: f64 = 1e-4;
 
 /// Rigid motion (paper, eq. 20), canonical projection (24), distortion (27) and intrinsic matrix with skew (22, 25).
 ///
@@ -196,8 +194,8 @@ impl Camera for Pinhole {
         self.distortion.as_ref().is_none_or(|lens| lens.covers(self.retinal(point).0))
     }
 
-    fn precision(&self) -> f64 {
-        if self.distortion.as_ref().is_some_and(|lens| lens.field().is_some()) { SPLINE_PRECISION } else { 1e-6 }
+    fn is_in_pieces(&self) -> bool {
+        self.distortion.as_ref().is_some_and(|lens| lens.field().is_some())
     }
 
     fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {

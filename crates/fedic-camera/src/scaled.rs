@@ -40,8 +40,8 @@ impl Camera for Scaled {
         self.camera.covers(point)
     }
 
-    fn precision(&self) -> f64 {
-        self.camera.precision()
+    fn is_in_pieces(&self) -> bool {
+        self.camera.is_in_pieces()
     }
 
     fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3] {

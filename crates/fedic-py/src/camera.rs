@@ -85,10 +85,11 @@ fn covers<'py>(
     Ok(PyArray1::from_iter(py, points.iter().map(|&point| camera.covers(point))))
 }
 
-/// Warns where the projection of points goes beyond what the lens was calibrated for. The sentence has no numbers in it, so
-/// that Python shows it once.
+/// Warns where the projection of points goes beyond what the lens was calibrated for; points that the camera does not see at
+/// all have no projection. The sentence has no numbers in it, so that Python shows it once.
 fn warn_of_extrapolation(py: Python<'_>, camera: &dyn Camera, points: &[[f64; 3]]) -> PyResult<()> {
-    if points.iter().all(|&point| camera.covers(point)) {
+    let extrapolated = |&point: &[f64; 3]| !camera.covers(point) && camera.project(point)[0].is_finite();
+    if !camera.is_in_pieces() || !run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).any(extrapolated)))? {
         return Ok(());
     }
     warn(

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{self, rows, to_array};
 use crate::errors::{IntoPyErr, camera_error};
+use crate::worker::run;
 
 type Domain = (f64, f64, f64, f64);
 
@@ -293,9 +294,7 @@ spline_methods!(SplineDistortion {
             Distortion::InverseSpline(lens) => Some(lens.undistort(point)),
             Distortion::Brown(_) | Distortion::Spline(_) => Some(point),
         })?;
-        py.detach(|| fedic::SplineDistortion::approximating(&lens, domain, tolerance))
-            .map(Self)
-            .map_err(IntoPyErr::into_py_err)
+        run(py, None, |_| Ok(fedic::SplineDistortion::approximating(&lens, domain, tolerance)?)).map(Self)
     }
 });
 
@@ -349,9 +348,7 @@ spline_methods!(InverseSplineDistortion {
             Distortion::Spline(lens) => Some(lens.distort(point)),
             Distortion::Brown(_) | Distortion::InverseSpline(_) => Some(point),
         })?;
-        py.detach(|| fedic::InverseSplineDistortion::approximating(&lens, domain, tolerance))
-            .map(Self)
-            .map_err(IntoPyErr::into_py_err)
+        run(py, None, |_| Ok(fedic::InverseSplineDistortion::approximating(&lens, domain, tolerance)?)).map(Self)
     }
 });
 

@@ -76,9 +76,14 @@ struct Fit {
     /// Derivatives of the shape functions at each node.
     gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
     centre_shape: [f64; MAX_NODES],
-    /// Where the polynomial is compared with the camera: monomials and shape functions there.
-    check_monomials: [f64; MONOMIALS],
-    check_shape: [f64; MAX_NODES],
+    /// Where the polynomial is compared with the camera: a smooth one at the first place, one made of pieces at all of them.
+    checks: Vec<Check>,
+}
+
+/// A point of the reference cell: its monomials and shape functions.
+struct Check {
+    monomials: [f64; MONOMIALS],
+    shape: [f64; MAX_NODES],
 }
 
 impl Fit {
@@ -114,8 +119,7 @@ impl Fit {
             jacobian: [[0.0; 3]; MAX_NODES],
             gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
             centre_shape: [0.0; MAX_NODES],
-            check_monomials: [0.0; MONOMIALS],
-            check_shape: [0.0; MAX_NODES],
+            checks: Vec::new(),
         };
         let svd = known.svd(true, true);
         for datum in 0..=3 * n {
@@ -146,10 +150,15 @@ impl Fit {
                 fit.shape[node][m] = coefficient;
             }
         }
-        let check = if cell_type.is_triangle() { [0.5, 0.25] } else { [0.5, 0.5] };
+        let checks: &[[f64; 2]] = match cell_type.is_triangle() {
+            true => &[[0.5, 0.25], [0.25, 0.5], [0.25, 0.25]],
+            false => {
+                &[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5], [0.0, 0.5], [0.0, -0.5], [0.5, 0.0], [-0.5, 0.0]]
+            }
+        };
         fit.centre_shape = shape_at_centre;
-        fit.check_monomials = monomials(check);
-        fit.check_shape = shape_values(cell_type, check);
+        fit.checks =
+            checks.iter().map(|&at| Check { monomials: monomials(at), shape: shape_values(cell_type, at) }).collect();
         fit
     }
 }
@@ -250,17 +259,20 @@ impl Fit {
         coefficients: &[[f64; MONOMIALS + 1]; 2],
         jacobian: &[[f64; 3]; 4],
     ) -> bool {
-        let (seen, true_jacobian) = camera.project_with_jacobian(interpolate(&self.check_shape, nodes));
         let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
         let jacobian_tolerance = size * JACOBIAN_TOLERANCE.max(JACOBIAN_PER_PRECISION * camera.precision());
-        (0..2).all(|c| {
-            let monomials = coefficients[c][1..].iter().zip(&self.check_monomials);
-            let expanded = origin[c] + coefficients[c][0] + monomials.map(|(c, m)| c * m).sum::<f64>();
-            (expanded - seen[c]).abs() <= camera.precision()
-        }) && (0..4).all(|entry| {
-            let [constant, xi, eta] = jacobian[entry];
-            let expanded = constant + xi * self.check_monomials[0] + eta * self.check_monomials[1];
-            (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= jacobian_tolerance
+        let checks = if camera.is_in_pieces() { &self.checks[..] } else { &self.checks[..1] };
+        checks.iter().all(|check| {
+            let (seen, true_jacobian) = camera.project_with_jacobian(interpolate(&check.shape, nodes));
+            (0..2).all(|c| {
+                let monomials = coefficients[c][1..].iter().zip(&check.monomials);
+                let expanded = origin[c] + coefficients[c][0] + monomials.map(|(c, m)| c * m).sum::<f64>();
+                (expanded - seen[c]).abs() <= camera.precision()
+            }) && (0..4).all(|entry| {
+                let [constant, xi, eta] = jacobian[entry];
+                let expanded = constant + xi * check.monomials[0] + eta * check.monomials[1];
+                (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= jacobian_tolerance
+            })
         })
     }
 }
@@ -388,9 +400,15 @@ mod tests {
     #[test]
     fn expansions_follow_a_lens_of_any_shape() {
         for camera in [wavy(false), wavy(true)] {
-            for (cell, half) in
-                [(CellType::Quad, 5.0), (CellType::Quad, 10.0), (CellType::Quad8, 10.0), (CellType::Triangle6, 10.0)]
-            {
+            for (cell, half, all) in [
+                (CellType::Quad, 5.0, true),
+                (CellType::Quad, 10.0, true),
+                (CellType::Quad8, 10.0, true),
+                (CellType::Triangle6, 10.0, true),
+                (CellType::Quad, 20.0, false),
+                (CellType::Quad, 30.0, false),
+                (CellType::Triangle, 20.0, false),
+            ] {
                 let (mut expanded, mut cells, mut worst) = (0, 0, [0.0_f64; 2]);
                 for row in -6..6 {
                     for column in -10..10 {
@@ -408,8 +426,8 @@ mod tests {
                         }
                     }
                 }
-                assert_eq!(expanded, cells, "{cell}, {half}");
-                assert!(worst[0] < 2e-4 && worst[1] < 4e-4, "{cell}, {half}: {worst:?}");
+                assert!(expanded == cells || !all, "{cell}, {half}: {expanded} of {cells}");
+                assert!(worst[0] < 3e-4 && worst[1] < 1.2e-3, "{cell}, {half}: {worst:?}");
             }
         }
     }

@@ -23,6 +23,7 @@ _AHEAD = 0.1
 """Part of a step over which the curvature along it is seen."""
 _STUCK_DAMPING = 1e12
 _LARGEST_CONDITION = 1e12
+_OPEN = "The views do not determine the parameters of the camera."
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,11 +163,13 @@ class Bundle:
         """
         equations = self._normal_equations(estimate)
         freedom, cost = float(self.freedom), equations.cost
+        if not equations.condition < _LARGEST_CONDITION:
+            raise CameraError(_OPEN)
         if self._lens.penalty is not None:
             freedom += equations.stiffened(self._lens.penalty)
             cost -= float(estimate.intrinsics @ self._lens.penalty @ estimate.intrinsics)
-        if freedom <= 0 or not equations.condition < _LARGEST_CONDITION:
-            raise CameraError("The views do not determine the parameters of the camera.")
+        if freedom <= 0:
+            raise CameraError(_OPEN)
         return equations.inverse() * (cost / freedom)
 
     def eliminated(self, estimate: Estimate, view: int) -> tuple[Floats, Floats, float]:

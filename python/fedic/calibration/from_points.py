@@ -102,8 +102,9 @@ def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tu
         values, deviations = found.estimate.intrinsics[:2], np.sqrt(np.diag(found.covariance)[:2])
         if np.any(deviations > _POOREST_FOCAL * values):
             raise CameraError(f"The views leave the focal length open: {values[0]:.4g} ± {deviations[0]:.2g} px.")
-    except CameraError as fault:
-        raise CameraError(" ".join([str(fault), *_causes(seen, image_size)])) from None
+    except (CameraError, np.linalg.LinAlgError) as fault:
+        what = str(fault) if isinstance(fault, CameraError) else "The views do not determine the camera."
+        raise CameraError(" ".join([what, *_causes(seen, image_size)])) from None
     return found
 
 

@@ -8,13 +8,15 @@ from typing import Protocol
 import numpy as np
 
 from fedic._core import BrownDistortion, Pinhole
-from fedic._types import Floats
+from fedic._types import Distortion, Floats
 from fedic.errors import CameraError
 
 __all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]
 
 _COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
 """The place of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
+
+_ORDER = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
 
 SPLINES = ("spline", "inverse-spline")
 """The words of non-parametric models, which take their shape from the points: `fedic.calibration.spline_lens`."""
@@ -77,6 +79,9 @@ class Lens(Protocol):
         by_positions : ndarray, shape (n, 2, 3)
         """
 
+    def distortion(self, values: Floats) -> Distortion | None:
+        """Make the lens of some values of the unknowns, in the form it is fitted in."""
+
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
         """Make the camera of some values of the unknowns and a pose: rotation (3, 3) and translation (3,)."""
 
@@ -131,18 +136,20 @@ class BrownLens:
         chosen = [6, 7, 8, 9, *(10 + _COEFFICIENTS[name] for name in self.coefficients)]
         return pixels.reshape(-1, 2), slopes[:, :, chosen], slopes[:, :, 3:6]
 
+    def distortion(self, values: Floats) -> Distortion | None:
+        """Make the lens of some values of the unknowns; None where no coefficient is free."""
+        if not self.coefficients:
+            return None
+        by_name = dict(zip(self.coefficients, (float(value) for value in values[4:]), strict=True))
+        k1, k2, k3, d1, d2, p1, p2 = (by_name.get(name, 0.0) for name in _ORDER)
+        return BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2))
+
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
         """Make the camera of some values of the unknowns and a pose."""
-        by_name = dict(zip(self.parameters, (float(value) for value in values), strict=True))
-        k1, k2, k3, d1, d2, p1, p2 = (by_name.get(name, 0.0) for name in ("k1", "k2", "k3", "d1", "d2", "p1", "p2"))
+        fx, fy, cx, cy = (float(value) for value in values[:4])
         tx, ty, tz = (float(value) for value in translation)
-        return Pinhole(
-            (by_name["fx"], by_name["fy"]),
-            (by_name["cx"], by_name["cy"]),
-            rotation=rotation,
-            translation=(tx, ty, tz),
-            distortion=BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2)) if self.coefficients else None,
-        )
+        lens = self.distortion(values)
+        return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
 
     def _matrices(self, values: Floats) -> tuple[Floats, Floats]:
         """Return the camera matrix and the twelve distortion coefficients of OpenCV."""
@@ -188,5 +195,4 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
     if words[0] in SPLINES:
         return words[0]
     free = {name for word in words for name in _WORDS[word]}
-    order = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
-    return BrownLens("+".join(words), tuple(name for name in order if name in free))
+    return BrownLens("+".join(words), tuple(name for name in _ORDER if name in free))

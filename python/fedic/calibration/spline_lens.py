@@ -15,6 +15,7 @@ import numpy as np
 
 from fedic._core import InverseSplineDistortion, Pinhole, SplineDistortion, spline_basis
 from fedic._types import Distortion, Floats
+from fedic.errors import CameraError
 
 __all__ = ["SplineLens"]
 
@@ -167,17 +168,26 @@ class SplineLens:
         by_positions = np.concatenate([slopes, of_depth], axis=2) / depth[:, :, np.newaxis]
         return seen * (fx, fy) + (cx, cy), by_values, by_positions
 
+    def distortion(self, values: Floats) -> SplineDistortion:
+        """Make the direct form of the lens of some values of the unknowns."""
+        width, height = (count + 3 for count in self.intervals)
+        return SplineDistortion(self.domain, self._coefficients(values).T.reshape(height, width, 2))
+
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
         """Make the camera of some values of the unknowns and a pose."""
         fx, fy, cx, cy = (float(value) for value in values[:4])
         tx, ty, tz = (float(value) for value in translation)
-        width, height = (count + 3 for count in self.intervals)
-        direct = SplineDistortion(self.domain, self._coefficients(values).T.reshape(height, width, 2))
-        lens: Distortion = direct
+        lens: Distortion = self.distortion(values)
         if self.name == "inverse-spline":
             u0, v0, u1, v1 = self.image
             domain = ((u0 - cx) / fx, (v0 - cy) / fy, (u1 - cx) / fx, (v1 - cy) / fy)
-            lens = InverseSplineDistortion.from_lens(direct, domain, _INVERSE_TOLERANCE_PX / max(fx, fy))
+            try:
+                lens = InverseSplineDistortion.from_lens(lens, domain, _INVERSE_TOLERANCE_PX / max(fx, fy))
+            except CameraError as fault:
+                raise CameraError(
+                    f"The lens found has no inverse all over the image ({fault}): add views where few points lie, or "
+                    "take 'spline'."
+                ) from fault
         return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
 
     def _coefficients(self, values: Floats) -> Floats:

@@ -74,9 +74,9 @@ def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, 
 
     fx, fy, cx, cy = intrinsics[:4]
     matrix, pixels = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), seen.pixels
-    curvature = lens.camera(intrinsics, np.eye(3), np.zeros(3)).distortion
-    if curvature is not None:
-        pixels = curvature.undistort((pixels - (cx, cy)) / (fx, fy)) * (fx, fy) + (cx, cy)
+    distortion = lens.distortion(intrinsics)
+    if distortion is not None:
+        pixels = distortion.undistort((pixels - (cx, cy)) / (fx, fy)) * (fx, fy) + (cx, cy)
     known = np.isfinite(pixels).all(axis=1)
     points, pixels = seen.points[known], pixels[known]
     try:

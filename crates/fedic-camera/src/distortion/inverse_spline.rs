@@ -6,8 +6,7 @@ use crate::{CameraError, Distortion};
 
 /// A lens whose distorted point `x_d` comes from the retinal point `x_d + C(x_d)`, with `C` a tensor-product cubic B-spline.
 ///
-/// Taking a pixel back to the plane needs no iteration over the lens; showing a point does, and costs some three times as much as
-/// with [`SplineDistortion`](crate::SplineDistortion). Beyond the domain it was calibrated in it goes on linearly and is known no
+/// Taking a pixel back to the retinal plane needs no iteration; showing a point does, by Newton's method. Beyond the domain it was calibrated in it goes on linearly and is known no
 /// more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InverseSplineDistortion {

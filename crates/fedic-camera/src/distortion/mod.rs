@@ -153,6 +153,9 @@ fn approximation(
     tolerance: f64,
     function: impl Fn([f64; 2]) -> Option<Sample>,
 ) -> Result<SplineField, CameraError> {
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return Err(CameraError::NotPositive { parameter: "tolerance (on the retinal plane)", value: tolerance });
+    }
     let sides = [domain[2] - domain[0], domain[3] - domain[1]];
     let longer = sides[0].max(sides[1]);
     let mut error = f64::INFINITY;

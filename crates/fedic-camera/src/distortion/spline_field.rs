@@ -278,5 +278,10 @@ fn check_domain(domain: [f64; 4]) -> Result<(), CameraError> {
     if !domain.iter().all(|c| c.is_finite()) {
         return Err(CameraError::NonFinite { parameter: "spline domain" });
     }
-    if x0 >= x1 || y0 >= y1 { Err(CameraError::EmptyDomain { domain }) } else { Ok(()) }
+    let sides = [x1 - x0, y1 - y0];
+    if !sides.iter().all(|side| *side > 0.0 && (1e3 / side).is_finite()) {
+        Err(CameraError::EmptyDomain { domain })
+    } else {
+        Ok(())
+    }
 }
