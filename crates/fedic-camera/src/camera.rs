@@ -31,7 +31,7 @@ pub trait Camera: Send + Sync {
         true
     }
 
-    /// By how many pixels a simpler projection over a small part of the view may differ from this one.
+    /// By about how many pixels a simpler projection over a small part of the view may differ from this one.
     fn precision(&self) -> f64 {
         if self.is_in_pieces() { IN_PIECES } else { SMOOTH }
     }
