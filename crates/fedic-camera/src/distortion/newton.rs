@@ -1,10 +1,8 @@
 //! The plane point that a smooth map takes to a given point.
 
 const MAX_NEWTON: usize = 30;
-/// Rounding of a retinal coordinate, relative to one plus its size.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// What is accepted where the iteration no longer comes nearer.
-const STALLED: f64 = 1e-13;
+/// Relative to one plus the size of a coordinate: one more step squares such an error, which leaves rounding.
+const LAST: f64 = 1e-8;
 
 /// Solves `map(x) = target` from `start` by Newton's method; `map` gives its value and its Jacobian. `None` where the iteration
 /// does not converge.
@@ -15,22 +13,20 @@ pub(super) fn solve(
     map: impl Fn([f64; 2]) -> ([f64; 2], [[f64; 2]; 2]),
 ) -> Option<([f64; 2], [[f64; 2]; 2])> {
     let mut point = start;
-    let mut best = f64::INFINITY;
     let size = 1.0 + target[0].abs().max(target[1].abs());
     for _ in 0..MAX_NEWTON {
         let (value, jacobian) = map(point);
         let rest = [target[0] - value[0], target[1] - value[1]];
         let error = rest[0].abs().max(rest[1].abs());
-        if error <= ROUNDING * size {
-            return Some((point, jacobian));
+        if !error.is_finite() {
+            return None;
         }
-        if !error.is_finite() || (error >= best && error <= STALLED * size) {
-            return error.is_finite().then_some((point, jacobian));
-        }
-        best = error.min(best);
         let inverse = invert(jacobian);
         point[0] += inverse[0][0] * rest[0] + inverse[0][1] * rest[1];
         point[1] += inverse[1][0] * rest[0] + inverse[1][1] * rest[1];
+        if error <= LAST * size {
+            return Some((point, jacobian));
+        }
     }
     None
 }
