@@ -63,6 +63,25 @@ def test_run_writes_the_results(folder: Path) -> None:
     assert "moved.png: converged in" in outcome.stdout
 
 
+def test_run_maps_large_images(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for stem in ("reference", "moved"):
+        image = cv2.imread(str(folder / f"{stem}.png"), cv2.IMREAD_UNCHANGED)
+        assert cv2.imwrite(str(folder / f"{stem}.tif"), image, [cv2.IMWRITE_TIFF_COMPRESSION, 1])
+    (folder / "test.toml").write_text(CONFIG.replace(".png", ".tif") + "pictures = false\n")
+    monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
+    held = []
+    correlate = fedic.Correlator.correlate
+
+    def watched(self: fedic.Correlator, deformed: Any, **options: Any) -> fedic.Result:
+        held.append([isinstance(image.base, np.memmap) for image in (self._reference, deformed)])
+        return correlate(self, deformed, **options)
+
+    monkeypatch.setattr(fedic.Correlator, "correlate", watched)
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 0, outcome.output
+    assert held == [[True, True]] * 2
+
+
 def test_a_frame_that_fails_does_not_stop_the_others(folder: Path) -> None:
     assert cv2.imwrite(str(folder / "moved.png"), np.zeros((10, 10), dtype=np.uint8))
     outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])

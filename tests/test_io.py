@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 import fedic
-from fedic.images import let_go
+from fedic.images import let_go, own_image
 
 RNG = np.random.default_rng(0)
 GREY8 = RNG.integers(0, 256, (40, 50), dtype=np.uint8)
@@ -55,7 +55,7 @@ def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: 
     for path, image in zip(paths, images, strict=True):
         tifffile.imwrite(path, image)
     monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
-    mapped = [fedic.read_image(path) for path in paths]
+    mapped = [fedic.read_image(path, mapped=True) for path in paths]
     mesh = fedic.rectangle_mesh((20, 20, 120, 100), 20)
     for image, stored in zip(mapped, images, strict=True):
         assert not image.flags.writeable
@@ -64,6 +64,52 @@ def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: 
     np.testing.assert_array_equal(results[0].displacement, results[1].displacement)
     # What the system took back is read again.
     np.testing.assert_array_equal(mapped[0], images[0])
+
+
+@pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg", ".tif", ".lzw.tif", ".big.tif"])
+def test_an_image_read_belongs_to_the_caller_and_a_mapped_one_to_nobody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
+    path = tmp_path / f"grey{suffix}"
+    if suffix == ".big.tif":
+        tifffile.imwrite(path, GREY16, byteorder=">")
+    else:
+        assert cv2.imwrite(str(path), GREY8, [cv2.IMWRITE_TIFF_COMPRESSION, 5 if suffix == ".lzw.tif" else 1])
+    read, fixed = fedic.read_image(path), fedic.read_image(path, mapped=True)
+    np.testing.assert_array_equal(read, fixed)
+    assert read.flags.writeable
+    assert not fixed.flags.writeable
+    # Only what can be written to is copied.
+    assert own_image(fixed, "reference") is fixed
+    assert not np.shares_memory(own_image(read, "reference"), read)
+    # The file may go: nothing of it is mapped.
+    stored = read.copy()
+    del fixed
+    path.write_bytes(b"")
+    np.testing.assert_array_equal(read, stored)
+
+
+def test_an_image_is_kept_apart_from_what_can_be_written_to(tmp_path: Path) -> None:
+    tifffile.imwrite(tmp_path / "grey.tif", GREY8)
+    frozen = GREY8.view()
+    frozen.flags.writeable = False
+    buffer = bytearray(GREY8.tobytes())
+    for image in (
+        GREY8,
+        GREY8[::2],
+        frozen,
+        np.frombuffer(memoryview(buffer).toreadonly(), np.uint8).reshape(GREY8.shape),
+        tifffile.memmap(tmp_path / "grey.tif", mode="r+"),
+    ):
+        kept = own_image(image, "reference")
+        np.testing.assert_array_equal(kept, image)
+        assert not np.shares_memory(kept, image)
+    for image in (
+        np.frombuffer(bytes(buffer), np.uint8).reshape(GREY8.shape),
+        tifffile.memmap(tmp_path / "grey.tif", mode="r"),
+    ):
+        assert np.shares_memory(own_image(image, "reference"), image)
 
 
 def test_letting_an_image_go_loses_nothing(tmp_path: Path) -> None:

@@ -97,6 +97,19 @@ def test_the_pyramid_reaches_further_than_zero() -> None:
     assert np.abs(lost.displacement - field(mesh.points)).max() > 1.0
 
 
+def test_the_buffer_of_the_reference_may_be_filled_again(pair: tuple[np.ndarray, np.ndarray]) -> None:
+    def everything(correlator: fedic.Correlator) -> list[np.ndarray]:
+        found = [correlator.correlate(pair[1], initial=start).displacement for start in ("pyramid", "fft")]
+        return [*found, correlator.residual_map(pair[1], found[0]), correlator.standard_deviations(100.0)]
+
+    mesh = fedic.rectangle_mesh((30.4, 25.3, 210.8, 165.9), 40.0)
+    buffer = pair[0].copy()
+    correlator = fedic.Correlator(buffer, mesh)
+    buffer[:] = np.random.default_rng(0).integers(0, 65536, buffer.shape)
+    for found, expected in zip(everything(correlator), everything(fedic.Correlator(pair[0], mesh)), strict=True):
+        np.testing.assert_array_equal(found, expected)
+
+
 def test_a_given_start_saves_iterations(pair: tuple[np.ndarray, np.ndarray]) -> None:
     close = motion(MESH.points)
     from_zero, from_close = (fedic.correlate(*pair, MESH, initial=start) for start in (None, close))

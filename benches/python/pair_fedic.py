@@ -14,7 +14,7 @@ def main() -> None:
     import fedic
 
     clock["import"] = time.perf_counter()
-    reference, deformed = fedic.read_image(given.reference), fedic.read_image(given.deformed)
+    reference, deformed = fedic.read_image(given.reference, mapped=True), fedic.read_image(given.deformed, mapped=True)
     clock["read"] = time.perf_counter()
     mesh = fedic.rectangle_mesh(given.bounds, size=given.size)
     correlator = fedic.Correlator(reference, mesh, **settings(given))

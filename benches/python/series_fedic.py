@@ -23,12 +23,12 @@ def main() -> None:
     import fedic
 
     mesh = fedic.rectangle_mesh(given.bounds, size=given.size)
-    correlator = fedic.Correlator(fedic.read_image(given.reference), mesh, **settings(given))
+    correlator = fedic.Correlator(fedic.read_image(given.reference, mapped=True), mesh, **settings(given))
     frames, full, single = [], [], []
     begin = time.perf_counter()
     while len(frames) < 2 or (len(frames) < _FRAMES and time.perf_counter() - begin < _SECONDS):
         start = time.perf_counter()
-        deformed = fedic.read_image(given.deformed)
+        deformed = fedic.read_image(given.deformed, mapped=True)
         read = time.perf_counter()
         result = correlator.correlate(deformed)
         correlated = time.perf_counter()

@@ -12,7 +12,7 @@ from fedic._core import ImageFrame, Mesh
 from fedic._types import Camera, Floats, Image, Progress
 from fedic.errors import CalibrationWarning, SolveError
 from fedic.fft_start import uniform_start
-from fedic.images import as_image, as_pair, let_go
+from fedic.images import as_pair, let_go, own_image
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 from fedic.result import Iteration, Result
 
@@ -28,7 +28,8 @@ class Correlator:
     Parameters
     ----------
     reference : ndarray of uint8, uint16 or float32, shape (height, width)
-        The image of the specimen at rest.
+        The image of the specimen at rest. It is copied, as the buffer of a camera may be filled again; an array that
+        is read-only, such as ``read_image(path, mapped=True)`` gives, is kept as it is.
     mesh : Mesh
         The mesh, in the physical space.
     camera : ImageFrame, FrontParallel or Pinhole
@@ -91,7 +92,7 @@ class Correlator:
         num_threads: int | None = None,
         progress: Progress | None = None,
     ) -> None:
-        self._reference = as_image(reference, "reference")
+        self._reference = own_image(reference, "reference")
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)

@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from fedic._types import Image, StrPath
 from fedic.errors import ImageError
 
-__all__ = ["as_image", "as_pair", "let_go", "read_image"]
+__all__ = ["as_image", "as_pair", "let_go", "own_image", "read_image"]
 
 _TIFF_SIGNATURES = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_SIGNATURE = b"\xff\xd8\xff"
 _BMP_SIGNATURE = b"BM"
 _MAPPED_BYTES = 1 << 26
-"""From this size on an image that lies uncompressed in its file is mapped."""
+"""From this size on mapping an image spares enough memory."""
 
 
-def read_image(path: StrPath) -> Image:
+def read_image(path: StrPath, *, mapped: bool = False) -> Image:
     """Read a TIFF, PNG, BMP or JPEG image as grey levels.
 
     Grey levels are kept as stored: 8 bit, 16 bit or 32-bit float. Colour is reduced to luminance (Rec. 601) in its own
@@ -32,12 +32,16 @@ def read_image(path: StrPath) -> Image:
     ----------
     path : str or path
         The image file. Its format is recognised by its content.
+    mapped : bool
+        Leave an uncompressed TIFF image of 64 MB or more in its file, from which the system reads what is used and
+        takes memory back when it needs some, as ``fedic run`` does. The array is read-only, whatever the file. As long
+        as it is in use the file must stay as it is: grey levels change with a file that is rewritten, a file that is
+        truncated ends the whole process with a bus error, and Windows lets nobody delete or replace it.
 
     Returns
     -------
     ndarray of uint8, uint16 or float32, shape (height, width)
-        Indexed ``image[v, u]``. An uncompressed TIFF image of 64 MB or more is mapped from its file and cannot be
-        written to: the file must stay as it is while the image is used.
+        Indexed ``image[v, u]``.
 
     Raises
     ------
@@ -57,8 +61,13 @@ def read_image(path: StrPath) -> Image:
     if not data:
         raise ImageError(f"{path}: the image file is empty (0 bytes).")
 
-    if is_tiff:
-        return _decode_tiff(path)
+    image = _decode_tiff(path, mapped=mapped) if is_tiff else _decode_intact(path, data)
+    if mapped:
+        _freeze(image)
+    return image
+
+
+def _decode_intact(path: Path, data: bytes) -> Image:
     if data.startswith(_PNG_SIGNATURE):
         intact = _png_is_intact(data)
     elif data.startswith(_JPEG_SIGNATURE):
@@ -107,6 +116,36 @@ def as_image(image: object, name: str) -> Image:
     return cast(Image, np.ascontiguousarray(image, dtype=kept))
 
 
+def own_image(image: object, name: str) -> Image:
+    """Check an array of grey levels that is kept, and copy one that its owner may still write to.
+
+    Parameters
+    ----------
+    image : object
+        What the caller gave as an image.
+    name : str
+        How messages call it, such as ``"reference"``.
+
+    Returns
+    -------
+    ndarray of uint8, uint16 or float32, shape (height, width)
+        As `as_image` gives it; it shares memory with `image` only where that is read-only throughout.
+
+    Raises
+    ------
+    ImageError
+        If it is not a 2-D array of one of these types.
+    """
+    checked = as_image(image, name)
+    base: object = checked
+    writeable = False
+    while isinstance(base, np.ndarray):
+        writeable |= base.flags.writeable
+        base = base.base
+    fixed = not writeable and (base is None or isinstance(base, (bytes, mmap.mmap)))
+    return checked if fixed or not np.may_share_memory(checked, cast(Image, image)) else checked.copy()
+
+
 def as_pair(reference: Image, deformed: object) -> Image:
     """Check a deformed image against the checked reference image.
 
@@ -153,6 +192,13 @@ def let_go(image: Image) -> None:
         base.madvise(mmap.MADV_DONTNEED)
 
 
+def _freeze(image: Image) -> None:
+    base: object = image
+    while isinstance(base, np.ndarray):
+        base.flags.writeable = False
+        base = base.base
+
+
 def _size(image: Image) -> str:
     height, width = image.shape
     return f"{width} x {height} px (width x height)"
@@ -174,7 +220,7 @@ def _decode_with_opencv(path: Path, data: bytes) -> NDArray[Any]:
     return image
 
 
-def _decode_tiff(path: Path) -> Image:
+def _decode_tiff(path: Path, *, mapped: bool) -> Image:
     import tifffile
 
     try:
@@ -191,7 +237,7 @@ def _decode_tiff(path: Path) -> Image:
             if any(offset + count > tiff.filehandle.size for offset, count in segments):
                 raise _damaged(path)
             try:
-                mapped = page.is_memmappable and page.nbytes >= _MAPPED_BYTES
+                mapped = mapped and page.is_memmappable and page.nbytes >= _MAPPED_BYTES
                 image, blue_first = page.asarray(out="memmap" if mapped else None), False
             except ValueError as error:
                 if "imagecodecs" not in str(error):

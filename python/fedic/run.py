@@ -48,7 +48,8 @@ def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[
     """Measure every deformed image of a configuration.
 
     The output folder receives, for each image, ``<stem>.vtu``, ``<stem>.npz`` and pictures, and ``summary.json``, which
-    is written again after each frame. A frame that fails is recorded there and the others go on.
+    is written again after each frame. A frame that fails is recorded there and the others go on. Image files must stay
+    as they are meanwhile: large ones are mapped (see `fedic.read_image`).
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[
         If the reference, the mesh or the camera cannot be used, or, once all frames are done, if some failed.
     """
     folder = make_folder(config.output.folder)
-    reference = read_image(config.images.reference)
+    reference = read_image(config.images.reference, mapped=True)
     mesh = config.mesh.build()
     camera = config.camera.build()
     correlator = Correlator(reference, mesh, camera, **config.correlation.options())
@@ -97,7 +98,7 @@ def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[
 def _measure(correlator: Correlator, path: Path, folder: Path, *, pictures: bool, progress: Progress | None) -> Frame:
     start = time.perf_counter()
     try:
-        deformed = read_image(path)
+        deformed = read_image(path, mapped=True)
         result = correlator.correlate(deformed, progress=progress)
         result.write(folder / f"{path.stem}.vtu")
         result.write(folder / f"{path.stem}.npz")

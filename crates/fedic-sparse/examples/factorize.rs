@@ -64,7 +64,7 @@ fn measure(folder: &Path, seconds: Duration, kind: &str) {
     println!(
         "dofs {} entries {} work {:.3e} order {symbolic:.6} numeric {numeric:.6} solve {solve:.6} error {error:.2e} peak_MB {:.1}",
         pattern.num_dofs(),
-        factor.num_bytes() / if kind == "compact" { 4 } else { 8 },
+        factor.num_entries(),
         cholesky.work(),
         peak() - before,
     );

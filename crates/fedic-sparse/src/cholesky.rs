@@ -13,7 +13,7 @@ use crate::graph::Graph;
 use crate::minimum_degree::minimum_degree;
 use crate::panel::Stored;
 use crate::symbolic::Symbolic;
-use crate::tree::{Tasks, lock};
+use crate::tree::{Tasks, Threads, lock};
 use crate::{Pattern, SparseError, SymmetricMatrix};
 
 /// A pivot smaller than this fraction of its diagonal entry says that the unknown is not determined.
@@ -37,7 +37,8 @@ pub(crate) struct Plan {
 }
 
 impl Cholesky {
-    /// Orders the nodes by approximate minimum degree and computes the pattern of the factor.
+    /// Orders the nodes by approximate minimum degree and computes the pattern of the factor: for a graph without coordinates.
+    /// Where there are some, [`of_mesh`](Self::of_mesh) finds the better order for a large mesh.
     ///
     /// # Errors
     ///
@@ -72,7 +73,7 @@ impl Cholesky {
         Ok(Self { plan: Arc::new(Plan { symbolic, tasks }) })
     }
 
-    /// Multiplications, each with an addition, that a factorisation takes, about.
+    /// Multiplications, each with an addition, that a factorisation takes, about: what tells a good order from a poor one.
     pub fn work(&self) -> f64 {
         (0..self.plan.symbolic.num_supernodes()).map(|supernode| self.plan.symbolic.work(supernode)).sum()
     }
@@ -156,7 +157,7 @@ impl Cholesky {
         };
         let parts: Vec<Mutex<_>> = sizes.iter().map(take).collect();
         let failed = AtomicBool::new(false);
-        tasks.upwards(|index, task, below| {
+        tasks.upwards(Threads::All, |index, task, below| {
             if failed.load(Ordering::Relaxed) {
                 return Update::default();
             }

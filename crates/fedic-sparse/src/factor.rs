@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use crate::cholesky::Plan;
 use crate::panel::{Panel, Stored, num_stored};
 use crate::runs::{Run, find_runs};
-use crate::tree::{Task, lock};
+use crate::tree::{Task, Threads, lock};
 
 /// The numeric part: the factor of one matrix.
 #[derive(Debug, Clone)]
@@ -26,12 +26,18 @@ impl Factor {
         Self { plan, values }
     }
 
-    /// Bytes that its numbers take.
-    pub fn num_bytes(&self) -> usize {
+    /// How many numbers it holds: its size in memory, and what orders of the unknowns are judged by.
+    pub fn num_entries(&self) -> usize {
         match &self.values {
-            Values::Double(values) => size_of_val(values.as_slice()),
-            Values::Single(values) => size_of_val(values.as_slice()),
+            Values::Double(values) => values.len(),
+            Values::Single(values) => values.len(),
         }
+    }
+
+    /// Whether its numbers are kept in single precision, as [`factorize_compact`](crate::Cholesky::factorize_compact) does where the
+    /// matrix allows it.
+    pub fn is_compact(&self) -> bool {
+        matches!(self.values, Values::Single(_))
     }
 
     /// Solves `A x = b` for one right-hand side or several, one after the other; `rhs` holds them and becomes the solutions.
@@ -40,13 +46,27 @@ impl Factor {
     ///
     /// If `rhs` does not have one entry per unknown and right-hand side.
     pub fn solve(&self, rhs: &mut [f64]) {
+        self.solve_by(Threads::All, rhs);
+    }
+
+    /// The same to the last bit on the calling thread alone, which waits for no other: for systems that are solved side by side,
+    /// where a thread that waits would begin the next one.
+    ///
+    /// # Panics
+    ///
+    /// If `rhs` does not have one entry per unknown and right-hand side.
+    pub fn solve_sequentially(&self, rhs: &mut [f64]) {
+        self.solve_by(Threads::One, rhs);
+    }
+
+    fn solve_by(&self, threads: Threads, rhs: &mut [f64]) {
         match &self.values {
-            Values::Double(values) => self.solve_with(values, rhs),
-            Values::Single(values) => self.solve_with(values, rhs),
+            Values::Double(values) => self.solve_with(values, threads, rhs),
+            Values::Single(values) => self.solve_with(values, threads, rhs),
         }
     }
 
-    fn solve_with<T: Stored>(&self, values: &[T], rhs: &mut [f64]) {
+    fn solve_with<T: Stored>(&self, values: &[T], threads: Threads, rhs: &mut [f64]) {
         let (symbolic, tasks) = (&self.plan.symbolic, &self.plan.tasks);
         let d = symbolic.block;
         let dofs = symbolic.order.len() * d;
@@ -63,7 +83,7 @@ impl Factor {
         // For each task the unknowns of its columns, then those of the rows of its root, and this for each right-hand side.
         let unknowns: Vec<Mutex<Vec<f64>>> = tasks.iter().map(|_| Mutex::default()).collect();
         let shared: &[f64] = rhs;
-        tasks.upwards(|index, task, below: Vec<Vec<f64>>| {
+        tasks.upwards(threads, |index, task, below: Vec<Vec<f64>>| {
             let columns = task.columns.len() * d;
             let height = columns + symbolic.rows(task.root()).len() * d;
             let mut all = vec![0.0; height * sides];
@@ -87,7 +107,7 @@ impl Factor {
             *lock(&unknowns[index]) = all;
             rest
         });
-        tasks.downwards(|index, task, given: Option<Vec<f64>>| {
+        tasks.downwards(threads, |index, task, given: Option<Vec<f64>>| {
             let columns = task.columns.len() * d;
             let height = columns + symbolic.rows(task.root()).len() * d;
             let mut all = lock(&unknowns[index]);

@@ -71,7 +71,8 @@ impl Pattern {
         &self.cell_nodes[self.cell_starts[cell]..self.cell_starts[cell + 1]]
     }
 
-    /// Compressed columns of the lower triangle, unknown by unknown: where each column starts, and the rows of its entries.
+    /// Compressed columns of the lower triangle, unknown by unknown: where each column starts, and the rows of its entries, which
+    /// [`SymmetricMatrix::values`](crate::SymmetricMatrix::values) are in the order of. What other libraries take a matrix as.
     pub fn lower_triangle(&self) -> (Vec<usize>, Vec<usize>) {
         let d = self.block;
         let mut starts = Vec::with_capacity(self.num_dofs() + 1);

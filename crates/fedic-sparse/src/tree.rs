@@ -18,6 +18,15 @@ const PART: f64 = 1.0 / 64.0;
 /// ... and more than so many multiplications.
 const SMALLEST: f64 = 2e6;
 
+/// Who runs the tasks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Threads {
+    /// The calling thread, which takes on nothing else.
+    One,
+    /// All of the pool.
+    All,
+}
+
 /// Tasks in an order in which each follows its children.
 #[derive(Debug)]
 pub(crate) struct Tasks {
@@ -106,7 +115,7 @@ impl Tasks {
     }
 
     /// Runs every task after its children, with what these return, in their order.
-    pub(crate) fn upwards<T: Send>(&self, run: impl Fn(usize, &Task, Vec<T>) -> T + Sync) {
+    pub(crate) fn upwards<T: Send>(&self, threads: Threads, run: impl Fn(usize, &Task, Vec<T>) -> T + Sync) {
         let waiting: Vec<AtomicUsize> = self.tasks.iter().map(|task| AtomicUsize::new(task.children.len())).collect();
         let results: Vec<Mutex<Option<T>>> = self.tasks.iter().map(|_| Mutex::new(None)).collect();
         let climb = |mut index: usize| {
@@ -123,8 +132,8 @@ impl Tasks {
             }
         };
         let leaves: Vec<usize> = (0..self.tasks.len()).filter(|&task| self.tasks[task].children.is_empty()).collect();
-        if let [leaf] = leaves[..] {
-            return climb(leaf);
+        if threads == Threads::One || leaves.len() == 1 {
+            return leaves.into_iter().for_each(climb);
         }
         let climb = &climb;
         // A thread takes first what was added last: the leaves in their order, so that few results wait.
@@ -132,13 +141,18 @@ impl Tasks {
     }
 
     /// Runs every task after its parent, with what this returns for it.
-    pub(crate) fn downwards<T: Send>(&self, run: impl Fn(usize, &Task, Option<T>) -> Vec<T> + Sync) {
-        let roots = self.tasks.iter().enumerate().filter(|(_, task)| task.parent.is_none());
-        rayon::scope(|scope| {
-            for (root, _) in roots {
-                self.descend(scope, root, None, &run);
+    pub(crate) fn downwards<T: Send>(&self, threads: Threads, run: impl Fn(usize, &Task, Option<T>) -> Vec<T> + Sync) {
+        let roots = (0..self.tasks.len()).filter(|&task| self.tasks[task].parent.is_none());
+        if threads == Threads::One {
+            let mut waiting: Vec<(usize, Option<T>)> = roots.map(|root| (root, None)).collect();
+            while let Some((index, given)) = waiting.pop() {
+                let task = &self.tasks[index];
+                let handed_on = run(index, task, given).into_iter().map(Some);
+                waiting.extend(task.children.iter().copied().zip(handed_on));
             }
-        });
+            return;
+        }
+        rayon::scope(|scope| roots.for_each(|root| self.descend(scope, root, None, &run)));
     }
 
     /// Runs a task and hands its children on.

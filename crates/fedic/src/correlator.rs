@@ -16,6 +16,9 @@ use crate::{
     COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map, uncertainty,
 };
 
+/// From this number of unknowns on the factor is worth making small: it takes 60 MB then.
+const COMPACT_DOFS: usize = 100_000;
+
 /// Where the iterations start.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
@@ -69,6 +72,8 @@ impl Correlator {
                 size: [reference.width(), reference.height()],
                 wavelength: options.regularization,
                 whole_mesh: true,
+                // A penalty makes the system stiff, whatever its pivots say.
+                compact: options.regularization.is_none() && system.pattern.num_dofs() >= COMPACT_DOFS,
             };
             let level = Level::new(&system, Arc::clone(&camera), sampler, &settings, monitor)?;
             Ok::<_, Error>((system, level))

@@ -57,6 +57,7 @@ impl Pyramid {
                 size: [image.width(), image.height()],
                 wavelength: Some(WAVELENGTH),
                 whole_mesh: false,
+                compact: false,
             };
             let scaled: Arc<dyn Camera> = Arc::new(Scaled::new(Arc::clone(camera), 0.5_f64.powi(depth as i32)));
             match Level::new(system, scaled, sampler, &settings, monitor) {

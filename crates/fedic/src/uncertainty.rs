@@ -66,7 +66,7 @@ pub(crate) fn standard_deviations(
             let columns = &mut columns[..unknowns.len() * dofs];
             columns.fill(0.0);
             columns.chunks_exact_mut(dofs).zip(unknowns).for_each(|(column, unknown)| column[unknown] = 1.0);
-            level.factor.solve(columns);
+            level.factor.solve_sequentially(columns);
             let deviation = |column| {
                 let variance = 2.0 * matrix.quadratic_form(&system.pattern, column);
                 noise * variance.max(0.0).sqrt()
