@@ -242,7 +242,7 @@ class TestTarget:
             ({"target": "chessboard:9x6:2"}, fedic.ImageError, r"target chessboard:9x6:2 is not found in the image: "),
             ({"target": "chess:9x6:2"}, fedic.CameraError, "'chess' is unknown"),
             ({"target_origin": None}, fedic.CameraError, r"where it lies on the mesh, target_origin=\(x, y\)"),
-            ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=.* all finite"),
+            ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=nan: give .* both finite"),
             ({"target_thickness": np.inf}, fedic.CameraError, "target_thickness=inf: give a finite height"),
             ({"camera": FRONT}, fedic.CameraError, "pose of a calibrated Pinhole, not of a FrontParallel"),
             ({"camera": BARE}, fedic.CameraError, "read in two directions, and the start.* give a rough pose"),
