@@ -107,10 +107,11 @@ def nearby(
     while levels[-1].smoothing < smoothing:
         levels.append(levels[-1].halved())
     best = np.array([0.0 + 0.0j, 1.0 + 0.0j])
-    for number, level in enumerate(reversed(levels)):
+    while levels:
+        level = levels.pop()
         step = _STEP * level.smoothing
         counts = _counts(outline, names, search, step)
-        if number > 0:
+        if level.smoothing < smoothing:
             counts = {name: min(count, _STEPS_AROUND[name]) for name, count in counts.items()}
         candidates = _candidates(outline, counts, step, best)
         channels = level.smoothed()
@@ -202,7 +203,7 @@ class _Level:
         channels = []
         for channel in self.channels:
             smooth: NDArray[np.float32] = np.asarray(cv2.GaussianBlur(channel, (0, 0), self.smoothing / self.edge))
-            smooth /= max(float(smooth.std(dtype=np.float64)), 1e-12)
+            smooth /= max(float(cv2.meanStdDev(smooth)[1].item()), 1e-12)
             channels.append(smooth)
         return channels
 
@@ -217,15 +218,18 @@ def _reduced(image: Image) -> _Level:
     """Return the level of the least smoothing, a band of rows after the other."""
     import cv2
 
-    height, edge = image.shape[0], 2
-    bands = []
-    for first in range(0, height - edge + 1, _ROWS_AT_ONCE):
+    edge = 2
+    height, width = (max(size // edge, 1) for size in image.shape)
+    channels = [np.empty((height, width), dtype=np.float32) for _ in range(2)]
+    for first in range(0, height * edge, _ROWS_AT_ONCE):
         top = max(first - _HALO, 0)
         grey = image[top : first + _ROWS_AT_ONCE + _HALO].astype(np.float32)
         unrest = np.abs(grey - cv2.GaussianBlur(grey, (0, 0), _UNREST_PX))
         inner = slice(first - top, first - top + _ROWS_AT_ONCE)
-        bands.append([_shrunk(channel[inner], edge) for channel in (grey, unrest)])
-    return _Level([np.concatenate(channel) for channel in zip(*bands, strict=True)], edge, _LAST_SMOOTHING)
+        for channel, full in zip(channels, (grey, unrest), strict=True):
+            band = channel[first // edge : (first + _ROWS_AT_ONCE) // edge]
+            band[:] = _shrunk(full[inner], edge)[: len(band)]
+    return _Level(channels, edge, _LAST_SMOOTHING)
 
 
 def _shrunk(channel: NDArray[np.float32], factor: int) -> NDArray[np.float32]:

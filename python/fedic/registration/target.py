@@ -70,7 +70,7 @@ def lying_target(target: object, origin: object, angle: object, thickness: objec
             )
         return LyingTarget(plan, None, height)
     numbers = list(origin) if isinstance(origin, Iterable) else []
-    if len(numbers) != 2:  # noqa: PLR2004
+    if len(numbers) != 2:
         raise CameraError(f"target_origin={origin!r}: give (x, y) in the frame of the mesh.")
     x, y = (finite_number("target_origin", each, "(x, y), both finite, in the frame of the mesh") for each in numbers)
     turn = 0.0 if angle is None else finite_number("target_angle", angle, "a finite angle in radians")
