@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 import fedic
 from fedic.calibration import parse_target
 from fedic.cli import app
+from fedic.registration import steps
 from fedic.registration.pose import move, pose_jacobian
 
 SHAPE = (400, 600)
@@ -84,6 +85,39 @@ def test_four_points_in_a_plane_need_no_start_and_three_a_rough_one() -> None:
     assert np.isnan(exact.covariance).all()  # as many numbers as unknowns say nothing of the noise
     known = fedic.register(MESH, BLANK, start, points=(POINTS[some[:3]], pixels[some[:3]]), pixel_noise=0.05)
     assert np.isfinite(known.covariance).all()
+
+
+def behind(camera: fedic.Pinhole) -> fedic.Pinhole:
+    tx, ty, tz = camera.translation
+    return fedic.Pinhole(camera.focal, camera.principal_point, camera.rotation, (tx, ty, -tz), distortion=LENS)
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_pose_of_the_plane_that_fails_does_not_take_the_other_with_it(
+    place: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pairs = POINTS, PINHOLE.project(POINTS)
+    poses = [wrong(PINHOLE, (1, 1, 1, 1))]
+    poses.insert(place, behind(PINHOLE))
+    monkeypatch.setattr(steps, "pinhole_from_pairs", lambda *_: poses)
+    found = fedic.register(MESH, BLANK, BARE, points=pairs)
+    np.testing.assert_allclose(off(found.camera, PINHOLE), 0.0, atol=1e-7)
+
+    def failing(start: Any, problem: Any) -> Any:
+        if start.camera is poses[0]:
+            raise fedic.SolveError("no pose from this start")
+        return fit_pairs(start, problem)
+
+    fit_pairs = steps.fit_pairs
+    poses[:] = [PINHOLE, wrong(PINHOLE, (1, -1, 1, 1))]
+    poses[:] = poses[:: -1 if place else 1]
+    monkeypatch.setattr(steps, "fit_pairs", failing)
+    found = fedic.register(MESH, BLANK, BARE, points=pairs)
+    np.testing.assert_allclose(off(found.camera, PINHOLE), 0.0, atol=1e-7)
+
+    poses[:] = [behind(PINHOLE)] * 2
+    with pytest.raises(fedic.CameraError, match="does not see all the points"):
+        fedic.register(MESH, BLANK, BARE, points=pairs)
 
 
 def test_parameters_can_be_held() -> None:
@@ -242,7 +276,18 @@ class TestTarget:
             ({"target": "chessboard:9x6:2"}, fedic.ImageError, r"target chessboard:9x6:2 is not found in the image: "),
             ({"target": "chess:9x6:2"}, fedic.CameraError, "'chess' is unknown"),
             ({"target_origin": None}, fedic.CameraError, r"where it lies on the mesh, target_origin=\(x, y\)"),
-            ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=.* all finite"),
+            ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=nan: give .* both finite"),
+            ({"target_origin": 3.0}, fedic.CameraError, r"target_origin=3.0: give \(x, y\)"),
+            ({"target_origin": (1.0, 2.0, 3.0)}, fedic.CameraError, "target_origin=.* in the frame of the mesh"),
+            ({"target_origin": ("1", 2.0)}, fedic.CameraError, "target_origin='1': give .* both finite"),
+            ({"target_angle": "a"}, fedic.CameraError, "target_angle='a': give a finite angle in radians"),
+            ({"target_thickness": None}, fedic.CameraError, "target_thickness=None: give a finite height"),
+            ({"target": 7}, fedic.CameraError, "target: a int is no target"),
+            (
+                {"target_origin": None, "target_angle": 0.1, "features": ["hole 0"]},
+                fedic.CameraError,
+                "target_angle: it turns .* add target_origin",
+            ),
             ({"target_thickness": np.inf}, fedic.CameraError, "target_thickness=inf: give a finite height"),
             ({"camera": FRONT}, fedic.CameraError, "pose of a calibrated Pinhole, not of a FrontParallel"),
             ({"camera": BARE}, fedic.CameraError, "read in two directions, and the start.* give a rough pose"),
@@ -259,6 +304,25 @@ class TestTarget:
         given: dict[str, Any] = {"camera": PINHOLE, "target": BOARD, "target_origin": (8.0, 8.0), **options}
         with pytest.raises(error, match=message):
             fedic.register(MESH, image, **given)
+
+    @pytest.mark.parametrize(
+        "options",
+        [
+            {"target_origin": 3.0},
+            {"target_origin": None},
+            {"target_angle": np.nan},
+            {"target_thickness": "thick"},
+            {"search": "far"},
+        ],
+        ids=repr,
+    )
+    def test_is_not_searched_where_something_is_malformed(
+        self, options: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("fedic.registration.target.find_target", lambda *_: pytest.fail("the search was begun"))
+        given: dict[str, Any] = {"target": BOARD, "target_origin": (8.0, 8.0), **options}
+        with pytest.raises(fedic.CameraError):
+            fedic.register(MESH, BLANK, PINHOLE, **given)
 
     def test_another_focal_length_is_noticed(self, image: NDArray[np.uint8]) -> None:
         other = fedic.Pinhole((900, 500), (300, 200), PINHOLE.rotation, PINHOLE.translation)
@@ -287,6 +351,12 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"features": BOUNDARY, "free": []}, fedic.CameraError, "free: nothing is no parameter"),
     ({"features": BOUNDARY, "search": -1.0}, fedic.CameraError, "search=-1.0"),
     ({"features": BOUNDARY, "pixel_noise": 0.0}, fedic.CameraError, "pixel_noise=0.0"),
+    ({"features": BOUNDARY, "pixel_noise": "x"}, fedic.CameraError, "pixel_noise='x': give a positive number"),
+    ({"features": BOUNDARY, "search": "a"}, fedic.CameraError, "search='a': give a number of pixels, zero or more"),
+    ({"features": BOUNDARY, "search": np.nan}, fedic.CameraError, "search=nan"),
+    ({"features": BOUNDARY, "target_origin": (1, 2)}, fedic.CameraError, "target_origin: .* add target="),
+    ({"features": BOUNDARY, "target_angle": 0.1}, fedic.CameraError, "target_angle: .* add target="),
+    ({"features": BOUNDARY, "target_thickness": 1.0}, fedic.CameraError, "target_thickness: .* add target="),
     ({"features": BOUNDARY, "camera": fedic.ImageFrame()}, fedic.CameraError, "ImageFrame has no pose"),
     (
         {"features": BOUNDARY, "camera": fedic.FrontParallel(8.0, (3000.0, 270.0))},
@@ -382,6 +452,62 @@ class TestCommand:
         assert again.exit_code == 2
         assert "overwrite" in again.output
         assert self.run(folder, *features, "--overwrite").exit_code == 0
+
+    def test_a_picture_replaces_no_file_unasked(self, folder: Path) -> None:
+        options = ["--points", str(folder / "pairs.csv"), "--picture"]
+        (folder / "old.png").write_bytes(b"kept")
+        measured = (folder / "plate.png").read_bytes()
+        for more, name, message in (
+            ([], "old.png", "old.png: this file exists and was left as it is; --overwrite replaces it"),
+            ([], "plate.png", "plate.png: the picture would replace an image that is read"),
+            (["--overwrite"], "plate.png", "plate.png: the picture would replace an image that is read"),
+            ([], "no/new.png", "no does not exist; make it first"),
+        ):
+            outcome = self.run(folder, *options, str(folder / name), *more)
+            assert outcome.exit_code == 2
+            assert message in outcome.output
+            assert not (folder / "camera.toml").exists()
+        assert (folder / "old.png").read_bytes() == b"kept"
+        assert (folder / "plate.png").read_bytes() == measured
+        assert self.run(folder, *options, str(folder / "old.png"), "--overwrite").exit_code == 0
+        assert cv2.imread(str(folder / "old.png")) is not None
+
+    @pytest.mark.parametrize("name", ["old.png", "plate.png"])
+    def test_nor_does_that_of_a_calibration(self, folder: Path, name: str) -> None:
+        (folder / "old.png").write_bytes(b"kept")
+        before = (folder / name).read_bytes()
+        files = ["--output", str(folder / "camera.toml"), "--picture", str(folder / name)]
+        outcome = CliRunner().invoke(app, ["calibrate", str(folder / "plate.png"), "--target", BOARD, *files])
+        assert outcome.exit_code == 2
+        assert f"{name}: th" in outcome.output
+        assert (folder / name).read_bytes() == before
+
+    @pytest.mark.parametrize(
+        ("start", "message"),
+        [
+            (FRONT, "hold a Pinhole only, not a FrontParallel; write .toml"),
+            (fedic.Pinhole((900, 905), (300, 200), TILTED, (0, 0, 100.0), skew_angle=1.57), "ignores the skew"),
+        ],
+        ids=["front", "skew"],
+    )
+    @pytest.mark.parametrize("suffix", [".yml", ".xml"])
+    def test_a_file_that_cannot_hold_the_camera_is_refused_first(
+        self, folder: Path, start: Any, message: str, suffix: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("fedic.registration.register", lambda *_, **__: pytest.fail("the work was begun"))
+        fedic.write_camera(start, folder / "rough.toml", overwrite=True)
+        outcome = self.run(
+            folder, "--points", str(folder / "pairs.csv"), "--overwrite", "--output", str(folder / f"camera{suffix}")
+        )
+        assert outcome.exit_code == 2
+        assert message in outcome.output
+
+    def test_a_file_of_opencv_that_can(self, folder: Path) -> None:
+        fedic.write_camera(PINHOLE, folder / "rough.toml", overwrite=True)
+        np.savetxt(folder / "pairs.csv", np.column_stack([POINTS, PINHOLE.project(POINTS)]))
+        outcome = self.run(folder, "--points", str(folder / "pairs.csv"), "--output", str(folder / "camera.yml"))
+        assert outcome.exit_code == 0, outcome.output
+        assert off(fedic.read_camera(folder / "camera.yml"), PINHOLE).max() < 1e-6
 
     def test_points(self, folder: Path) -> None:
         outcome = self.run(folder, "--points", str(folder / "pairs.csv"))

@@ -256,3 +256,15 @@ def test_quick_experiment() -> None:
     assert [claim.text for claim in outcome.claims if not claim.holds] == []
     assert {row["model"] for row in outcome.rows} == set(experiment.MODELS)
     assert outcome.figures[""].axes
+
+
+def test_the_command_line_refuses_before_any_work(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from fedic.cli import app
+
+    views, output = str(tmp_path / "view.png"), str(tmp_path / "camera.yml")
+    options = ["--target", "chessboard:5x4:8", "--distortion", "spline", "--output", output]
+    found = CliRunner().invoke(app, ["calibrate", views, *options])
+    assert found.exit_code == 2
+    assert "only a .toml file holds a lens made of a spline; give --output camera.toml" in found.output

@@ -1,6 +1,6 @@
 """The command line: ``fedic run``, ``calibrate``, ``register``, ``demo`` and ``experiment``."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -41,6 +41,23 @@ def _faults_reported() -> Iterator[None]:
     except KeyboardInterrupt:
         typer.echo("fedic: interrupted", err=True)
         raise typer.Exit(_EXIT_INTERRUPTED) from None
+
+
+def _check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bool) -> None:
+    """Check, before any long work, that a picture replaces no file that is to be kept."""
+    from fedic.calibration.picture import check_picture
+
+    if picture is None:
+        return
+    check_picture(picture)
+    if not picture.parent.is_dir():
+        raise FedicError(f"{picture}: the folder {picture.parent} does not exist; make it first.")
+    if not picture.exists():
+        return
+    if any(image.exists() and picture.samefile(image) for image in images):
+        raise FedicError(f"{picture}: the picture would replace an image that is read; give it another name.")
+    if not overwrite:
+        raise FedicError(f"{picture}: this file exists and was left as it is; --overwrite replaces it by the picture.")
 
 
 def _print_version(wanted: bool) -> None:
@@ -100,20 +117,20 @@ def calibrate_command(
     view: Annotated[
         str | None, typer.Option("--view", help="Image whose pose the camera takes; the first accepted if left out.")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the output file if it exists.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the output file and the picture if they exist.")
+    ] = False,
 ) -> None:
     """Calibrate a camera from images of a flat target."""
     with _faults_reported():
         from fedic.calibration import calibrate
         from fedic.calibration.lens import parse_lens
-        from fedic.calibration.picture import check_picture
         from fedic.camera_files import check_writable
 
         check_writable(output, overwrite=overwrite)
         if isinstance(parse_lens(distortion), str) and output.suffix.lower() != ".toml":
             raise CameraError(f"{output}: only a .toml file holds a lens made of a spline; give --output camera.toml.")
-        if picture is not None:
-            check_picture(picture)
+        _check_picture(picture, images, overwrite=overwrite)
         with TerminalProgress("calibration") as progress:
             calibration = calibrate([*images], target, distortion, view=view, progress=progress.fraction)
         _print_calibration(calibration)
@@ -140,7 +157,9 @@ def register_command(
     target_origin: Annotated[
         tuple[float, float] | None, typer.Option("--target-origin", help="Where its origin is on the mesh.")
     ] = None,
-    target_angle: Annotated[float, typer.Option("--target-angle", help="Of its X axis on the mesh, in radians.")] = 0.0,
+    target_angle: Annotated[
+        float | None, typer.Option("--target-angle", help="Of its X axis on the mesh, in radians.")
+    ] = None,
     target_thickness: Annotated[
         float, typer.Option("--target-thickness", help="Height of its face above the mesh.")
     ] = 0.0,
@@ -154,23 +173,26 @@ def register_command(
     picture: Annotated[
         Path | None, typer.Option("--picture", help="The mesh over the image with the edges found, a .png file.")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the output file if it exists.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the output file and the picture if they exist.")
+    ] = False,
 ) -> None:
     """Place a mesh in an image by its edges, by points, or by a target on the specimen."""
     with _faults_reported():
-        from fedic.calibration.picture import check_picture
         from fedic.camera_files import check_writable, read_camera
         from fedic.images import read_image
         from fedic.meshes import read_mesh
         from fedic.registration import read_pairs, register
+        from fedic.registration.result import check_format
 
         check_writable(output, overwrite=overwrite)
-        if picture is not None:
-            check_picture(picture)
+        _check_picture(picture, [image], overwrite=overwrite)
+        start = read_camera(camera)
+        check_format(start, output)
         registration = register(
             read_mesh(mesh),
             read_image(image),
-            read_camera(camera),
+            start,
             points=None if points is None else read_pairs(points),
             features=feature or (),
             target=target,

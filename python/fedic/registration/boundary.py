@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fedic._core import Mesh
 from fedic._types import Floats
+from fedic.registration.space import in_space
 
 __all__ = ["Loop", "boundary_loops"]
 
@@ -42,17 +43,13 @@ def boundary_loops(mesh: Mesh) -> list[Loop]:
     list of Loop
         Outer loops before holes, each kind by position.
     """
-    points = _in_space(mesh.points)
+    points = in_space(mesh.points)
     loops = []
     for chain in _chains(_boundary_segments(mesh)):
         x, y = points[chain[:, 0], :2].T
         area = 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
         loops.append((area < 0.0, _position(mesh, points[chain[:, 0], :2].mean(axis=0)), Loop(chain, area)))
     return [loop for _, _, loop in sorted(loops, key=lambda each: each[:2])]
-
-
-def _in_space(points: Floats) -> Floats:
-    return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
 
 
 def _position(mesh: Mesh, point: Floats) -> tuple[float, float]:

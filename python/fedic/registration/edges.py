@@ -9,6 +9,7 @@ nearest of them.
 """
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,9 @@ _ROOM = 0.4
 """Largest reach, in distances to the next boundary of the mesh."""
 _FARTHEST_ROOM_PX = 200.0
 _ROOM_STEP_PX = 2.0
+_PROFILES_AT_ONCE = 256
+_MARGIN_PX = 2
+"""Around the points whose grey levels are read, for what the interpolation takes from their neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +139,7 @@ def measure_edge(
     offsets = np.arange(-reach - band, reach + band + 0.5 * _STEP_PX, _STEP_PX)
     centres, normals = camera.project(strip.samples.points), image_normals(camera, strip.samples)
     places = centres[:, np.newaxis] + offsets[:, np.newaxis] * normals[:, np.newaxis]
-    levels, _ = interpolate_image(image, places.reshape(-1, 2), "bilinear")
-    grey = levels.astype(np.float64).reshape(len(centres), -1)
+    grey = _grey_levels(image, places)
     inner, outer, middle = offsets < -reach, offsets > reach, np.abs(offsets) <= reach
 
     contrast = _contrast(grey, inner, outer, strip)
@@ -160,6 +163,26 @@ def across_jacobian(camera: Placeable, strip: Strip, names: tuple[str, ...]) -> 
     """Return the derivatives (b, p) of the position of a feature across itself, piece by piece, by parameters."""
     slopes = pose_jacobian(camera, strip.samples.points, names)
     return strip.block_means(np.einsum("ni,nip->np", image_normals(camera, strip.samples), slopes))
+
+
+def _grey_levels(image: Image, places: Floats) -> Floats:
+    """Return the grey levels (n, k) at image points (n, k, 2); NaN outside the image.
+
+    Only the part of the image around some consecutive profiles is prepared at a time.
+    """
+    size = np.array(image.shape[::-1])
+    grey = np.full(places.shape[:2], np.nan)
+    for first in range(0, len(places), _PROFILES_AT_ONCE):
+        profiles = slice(first, first + _PROFILES_AT_ONCE)
+        near = ((places[profiles] > -1.0) & (places[profiles] < size)).all(axis=-1)
+        if not near.any():
+            continue
+        some = places[profiles][near]
+        low = np.maximum(np.floor(some.min(axis=0)).astype(int) - _MARGIN_PX, 0)
+        high = np.minimum(np.ceil(some.max(axis=0)).astype(int) + _MARGIN_PX + 1, size)
+        part = cast(Image, np.ascontiguousarray(image[low[1] : high[1], low[0] : high[0]]))
+        grey[profiles][near] = interpolate_image(part, some - low, "bilinear")[0]
+    return grey
 
 
 def _contrast(grey: Floats, inner: NDArray[np.bool_], outer: NDArray[np.bool_], strip: Strip) -> Floats:

@@ -9,17 +9,18 @@ from numpy.typing import ArrayLike
 
 from fedic._core import Mesh
 from fedic._types import Camera, Floats, Image
-from fedic.calibration.target import Target, parse_target
-from fedic.errors import CameraError
+from fedic.calibration.target import Target
+from fedic.errors import CameraError, ImageError
 from fedic.images import as_image
 from fedic.registration.covariance import check_determined, check_known, covariance_of
 from fedic.registration.features import BoundaryFeature, chosen_features, listed_features
-from fedic.registration.pairs import Pairs, Place, checked_pairs
+from fedic.registration.numbers import finite_number
+from fedic.registration.pairs import Pairs, checked_pairs
 from fedic.registration.pose import free_parameters, placeable
 from fedic.registration.problem import Estimate, Group, Problem, pair_groups, unknowns_of
 from fedic.registration.result import FeatureDistances, Registration
 from fedic.registration.steps import from_features, from_pairs, on_plane_of_target, read_as_placed
-from fedic.registration.target import target_pairs
+from fedic.registration.target import lying_target, target_pairs
 
 __all__ = ["register"]
 
@@ -28,6 +29,8 @@ Features: TypeAlias = Sequence[str | BoundaryFeature]
 _FEWEST_TO_JUDGE = 6
 """Points beside other data from which their noise is taken from what is left."""
 _EXPECTED_NOISE_PX = 0.5
+_NOISE = "a positive number of pixels"
+_SEARCH = "a number of pixels, zero or more"
 
 
 def register(
@@ -39,7 +42,7 @@ def register(
     features: Features = (),
     target: str | Target | None = None,
     target_origin: tuple[float, float] | None = None,
-    target_angle: float = 0.0,
+    target_angle: float | None = None,
     target_thickness: float = 0.0,
     free: Sequence[str] | None = None,
     pixel_noise: float | None = None,
@@ -71,8 +74,9 @@ def register(
     target_origin : (float, float), optional
         Where the origin of the target (`fedic.calibration.Target`) is in the frame of the mesh. If not given, the
         target gives the plane of the specimen, and features or points the place in it.
-    target_angle : float
-        Angle from the X axis of the mesh to that of the target, in radians, where its origin is given.
+    target_angle : float, optional
+        Angle from the X axis of the mesh to that of the target, in radians, where its origin is given; zero if not
+        given.
     target_thickness : float
         Height of the printed face above the plane Z = 0 of the mesh, in the mesh's unit.
     free : sequence of str, optional
@@ -97,41 +101,41 @@ def register(
     MeshError
         If a feature is unknown.
     ImageError
-        If a feature or the target is not found in the image.
+        If a feature or the target is not found in the image, or the image is not finite.
     SolveError
-        If the data do not determine the free parameters.
+        If the data do not determine the free parameters, or the search is too wide.
     """
-    grey = as_image(image, "given")
-    if pixel_noise is not None and not 0.0 < pixel_noise < np.inf:
-        raise CameraError(f"pixel_noise={pixel_noise}: give a positive number of pixels.")
+    grey = _finite(as_image(image, "given"))
+    if pixel_noise is not None and finite_number("pixel_noise", pixel_noise, _NOISE) <= 0.0:
+        raise CameraError(f"pixel_noise={pixel_noise}: give {_NOISE}.")
+    if finite_number("search", search, _SEARCH) < 0.0:
+        raise CameraError(f"search={search}: give {_SEARCH}.")
+    lying = lying_target(target, target_origin, target_angle, target_thickness)
     start = placeable(camera)
     names = free_parameters(start, free)
     wanted = chosen_features(mesh, features)
     pairs = [] if points is None else [_inside(grey, checked_pairs(points))]
     if pairs:
-        few = len(pairs[0].points) < _FEWEST_TO_JUDGE and (len(wanted) > 0 or target is not None)
+        few = len(pairs[0].points) < _FEWEST_TO_JUDGE and (len(wanted) > 0 or lying is not None)
         known = few or pixel_noise is not None
         pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]
-    if not pairs and not wanted and target is None:
+    if not pairs and not wanted and lying is None:
         listed = listed_features(mesh)
         raise CameraError(f"register: give points, features or a target to place the mesh by; the features are{listed}")
-    if not 0.0 <= search < np.inf:
-        raise CameraError(f"search={search}: give a number of pixels, zero or more.")
 
     estimate, problem = Estimate(start), Problem(grey, names)
-    if target is not None:
-        plan = parse_target(target) if isinstance(target, str) else target
-        found = target_pairs(grey, start, plan, target_thickness)
-        if target_origin is not None:
-            place = _place(target_origin, target_angle)
-            found = read_as_placed(mesh, estimate, problem, found, place, turned=plan.kind != "charuco")
-        elif pairs or wanted:
-            estimate = on_plane_of_target(mesh, estimate, problem, found)
-        else:
+    if lying is not None:
+        if lying.place is None and not pairs and not wanted:
             raise CameraError(
                 "target: it gives the plane of the specimen; say where it lies on the mesh, target_origin=(x, y), or "
                 "give features or points to find the place by."
             )
+        found = target_pairs(grey, start, lying)
+        if lying.place is None:
+            estimate = on_plane_of_target(mesh, estimate, problem, found)
+        else:
+            turned = lying.plan.kind != "charuco"
+            found = read_as_placed(mesh, estimate, problem, found, lying.place, turned=turned)
         pairs.append(found)
     problem = Problem(grey, names, (), pairs)
     if wanted:
@@ -143,11 +147,11 @@ def register(
     return _assembled(mesh, estimate, problem, groups)
 
 
-def _place(origin: tuple[float, float], angle: float) -> Place:
-    values = np.array([*origin, angle], dtype=np.float64)
-    if values.shape != (3,) or not np.isfinite(values).all():
-        raise CameraError(f"target_origin={origin}, target_angle={angle}: give (x, y) and an angle, all finite.")
-    return Place(*map(float, values))
+def _finite(image: Image) -> Image:
+    if image.dtype.kind == "f" and not np.isfinite(image.sum(dtype=np.float64)):
+        v, u = np.argwhere(~np.isfinite(image))[0]
+        raise ImageError(f"The given image is {image[v, u]} at (u, v) = ({u}, {v}); give finite grey levels.")
+    return image
 
 
 def _inside(image: Image, pairs: Pairs) -> Pairs:

@@ -9,6 +9,7 @@ from fedic._core import Pinhole
 from fedic._types import Floats, StrPath
 from fedic.errors import CameraError
 from fedic.registration.pose import Placeable, pose_jacobian, posed
+from fedic.registration.space import in_space
 
 __all__ = ["Pairs", "Place", "checked_pairs", "pair_rows", "pinhole_from_pairs", "read_pairs"]
 
@@ -77,14 +78,12 @@ def checked_pairs(points: object) -> Pairs:
         where, at = (np.asarray(each, dtype=np.float64) for each in points)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         raise CameraError(f"points: not a pair of arrays of numbers; {expected}.") from None
-    if where.ndim == 2 and where.shape[1] == 2:
-        where = np.column_stack([where, np.zeros(len(where))])
-    if where.ndim != 2 or where.shape[1] != 3 or at.shape != (len(where), 2) or not len(where):
+    if where.ndim != 2 or where.shape[1] not in (2, 3) or at.shape != (len(where), 2) or not len(where):
         raise CameraError(f"points: points of shape {where.shape} and pixels of shape {at.shape}; {expected}.")
     bad = np.flatnonzero(~(np.isfinite(where).all(axis=1) & np.isfinite(at).all(axis=1)))
     if len(bad):
         raise CameraError(f"points: pair number {bad[0]} is not finite.")
-    return Pairs(where, at)
+    return Pairs(in_space(where), at)
 
 
 def read_pairs(path: StrPath) -> tuple[Floats, Floats]:
@@ -156,6 +155,8 @@ def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:
         return []
     found = []
     for vector, translation in zip(vectors[:count], translations[:count], strict=True):
+        if not (np.isfinite(vector).all() and np.isfinite(translation).all()):
+            continue
         turn = np.asarray(cv2.Rodrigues(vector)[0], dtype=np.float64)
         found.append(posed(camera, turn, np.asarray(translation, dtype=np.float64).ravel() - turn @ height))
     return found

@@ -9,9 +9,22 @@ from numpy.typing import NDArray
 from fedic._core import Mesh
 from fedic._types import Floats, Image, StrPath
 from fedic.camera_files import write_camera
+from fedic.camera_files.matrices import matrices_of_camera
 from fedic.registration.pose import Placeable
 
-__all__ = ["FeatureDistances", "Registration"]
+__all__ = ["FeatureDistances", "Registration", "check_format"]
+
+
+def check_format(start: object, path: Path) -> None:
+    """Check, before any long work, that a file can hold the camera: the lens and the skew are those of the start.
+
+    Raises
+    ------
+    CameraError
+        If the format of the file cannot express them.
+    """
+    if path.suffix.lower() != ".toml":
+        matrices_of_camera(path, start)
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from fedic.errors import CameraError
 from fedic.registration.features import BoundaryFeature
 from fedic.registration.pieces import Circle, Piece
 from fedic.registration.pose import Placeable
+from fedic.registration.space import in_space
 
 __all__ = ["Samples", "image_normals", "sample_feature"]
 
@@ -66,8 +67,7 @@ def sample_feature(mesh: Mesh, feature: BoundaryFeature, camera: Placeable, bloc
     CameraError
         If the camera does not see the feature.
     """
-    nodes = mesh.points
-    nodes = nodes if nodes.shape[1] == 3 else np.column_stack([nodes, np.zeros(len(nodes))])
+    nodes = in_space(mesh.points)
     parts, first = [], 0
     for piece in feature.pieces:
         fine, _ = _shape(piece, nodes, np.linspace(0.0, 1.0, 200))

@@ -17,6 +17,7 @@ from fedic.registration.pose import Placeable, posed
 from fedic.registration.problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
 from fedic.registration.sampling import sample_feature
 from fedic.registration.search import nearby
+from fedic.registration.space import in_space
 from fedic.registration.target import start_on_target
 
 __all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
@@ -31,20 +32,29 @@ _POSE = 6
 
 
 def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
-    """Fit the points, from the start and, where the whole pose is free, from the poses that their plane allows.
+    """Fit the points, from the start or, where the whole pose is free, from the poses that their plane allows.
 
     Raises
     ------
-    SolveError
-        If the points do not determine the unknowns.
+    CameraError, SolveError
+        If none of them sees the points and leads to a pose that they determine: what the first one lacks.
     """
     starts = [estimate]
     if estimate.place is None and isinstance(estimate.camera, Pinhole) and len(problem.names) == _POSE:
         points = np.concatenate([pairs.points for pairs in problem.pairs])
         together = Pairs(points, np.concatenate([pairs.pixels for pairs in problem.pairs]))
         starts = [Estimate(camera) for camera in pinhole_from_pairs(estimate.camera, together)] or starts
-    check_determined(pair_groups(starts[0], problem), unknowns_of(estimate, problem.names))
-    return min((fit_pairs(start, problem) for start in starts), key=lambda each: _misfit(each, problem))
+    fits: list[Estimate] = []
+    faults: list[CameraError | SolveError] = []
+    for start in starts:
+        try:
+            check_determined(pair_groups(start, problem), unknowns_of(start, problem.names))
+            fits.append(fit_pairs(start, problem))
+        except (CameraError, SolveError) as fault:
+            faults.append(fault)
+    if not fits:
+        raise faults[0]
+    return min(fits, key=lambda each: _misfit(each, problem))
 
 
 def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, place: Place, *, turned: bool) -> Pairs:
@@ -150,8 +160,7 @@ def from_features(
 
 def used_points(mesh: Mesh) -> Floats:
     """Return the nodes of the cells, shape (n, 3)."""
-    points = mesh.points[mesh.used_nodes]
-    return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
+    return in_space(mesh.points[mesh.used_nodes])
 
 
 def _misfit(estimate: Estimate, problem: Problem) -> float:

@@ -1,5 +1,7 @@
 """A calibration target that lies on the specimen."""
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -9,12 +11,13 @@ from fedic._types import Floats, Image
 from fedic.calibration.bundle import Observation
 from fedic.calibration.detection import NotFoundError, find_target
 from fedic.calibration.refinement import refined
-from fedic.calibration.target import Target
+from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError, ImageError
+from fedic.registration.numbers import finite_number
 from fedic.registration.pairs import Pairs, Place, pinhole_from_pairs
 from fedic.registration.pose import Placeable, posed
 
-__all__ = ["start_on_target", "target_pairs"]
+__all__ = ["LyingTarget", "lying_target", "start_on_target", "target_pairs"]
 
 _SMOOTHINGS = (0.0, 1.5, 3.0)
 """In pixels: speckles around a target mislead its detection, in an image smoothed no longer."""
@@ -22,7 +25,59 @@ _FARTHEST_PX = 1.0
 _NOISE_PX = 0.05
 
 
-def target_pairs(image: Image, camera: Placeable, plan: Target, thickness: float) -> Pairs:
+@dataclass(frozen=True)
+class LyingTarget:
+    """What is known of a target on the specimen.
+
+    Attributes
+    ----------
+    plan : Target
+        What is printed on it.
+    place : Place, optional
+        Of the target on the mesh.
+    thickness : float
+        Height of its printed face above the mesh.
+    """
+
+    plan: Target
+    place: Place | None
+    thickness: float
+
+
+def lying_target(target: object, origin: object, angle: object, thickness: object) -> LyingTarget | None:
+    """Check what a caller says of a target; None where there is none.
+
+    Raises
+    ------
+    CameraError
+        If something is malformed, or said of a target or an origin that is not given.
+    """
+    height = finite_number("target_thickness", thickness, "a finite height of the target above the mesh")
+    if target is None:
+        given = {"target_origin": origin is not None, "target_angle": angle is not None, "target_thickness": height}
+        said = [name for name, is_said in given.items() if is_said]
+        if said:
+            raise CameraError(f"{said[0]}: it says where a target lies, and none is given; add target=... to it.")
+        return None
+    if not isinstance(target, (str, Target)):
+        raise CameraError(f"target: a {type(target).__name__} is no target; give a text such as 'chessboard:11x7:8'.")
+    plan = parse_target(target) if isinstance(target, str) else target
+    if origin is None:
+        if angle is not None:
+            raise CameraError(
+                "target_angle: it turns the target about its origin, and where that lies is not given; add "
+                "target_origin=(x, y), or leave the angle out."
+            )
+        return LyingTarget(plan, None, height)
+    numbers = list(origin) if isinstance(origin, Iterable) else []
+    if len(numbers) != 2:
+        raise CameraError(f"target_origin={origin!r}: give (x, y) in the frame of the mesh.")
+    x, y = (finite_number("target_origin", each, "(x, y), both finite, in the frame of the mesh") for each in numbers)
+    turn = 0.0 if angle is None else finite_number("target_angle", angle, "a finite angle in radians")
+    return LyingTarget(plan, Place(x, y, turn), height)
+
+
+def target_pairs(image: Image, camera: Placeable, lying: LyingTarget) -> Pairs:
     """Find the points of a target, each measured in its plane.
 
     Parameters
@@ -31,10 +86,8 @@ def target_pairs(image: Image, camera: Placeable, plan: Target, thickness: float
         The image.
     camera : Pinhole
         Calibrated; its pose does not matter.
-    plan : Target
-        Which one.
-    thickness : float
-        Height of the target's upper face above the mesh.
+    lying : LyingTarget
+        Which one, and how high above the mesh.
 
     Returns
     -------
@@ -50,8 +103,7 @@ def target_pairs(image: Image, camera: Placeable, plan: Target, thickness: float
     """
     if not isinstance(camera, Pinhole):
         raise CameraError(f"target: gives the pose of a calibrated Pinhole, not of a {type(camera).__name__}.")
-    if not np.isfinite(thickness):
-        raise CameraError(f"target_thickness={thickness}: give a finite height of the target above the mesh.")
+    plan, height = lying.plan, np.array([0.0, 0.0, lying.thickness])
     faults = []
     for smoothing in _SMOOTHINGS:
         try:
@@ -65,7 +117,7 @@ def target_pairs(image: Image, camera: Placeable, plan: Target, thickness: float
             pose = _pose(camera, seen)
         error = np.inf if pose is None else _misfit(pose, seen)
         if error <= _FARTHEST_PX:
-            return Pairs(seen.points + np.array([0.0, 0.0, thickness]), seen.pixels, placed=False, noise=_NOISE_PX)
+            return Pairs(seen.points + height, seen.pixels, placed=False, noise=_NOISE_PX)
         faults.append(
             f"a grid like it is seen, but no pose of this camera brings its points closer than {error:.2g} px: "
             "speckles taken for the target, a bent target, or another calibration"
