@@ -62,7 +62,7 @@ use crate::{Error, Monitor};
 /// // A speckled plane before a lens, at rest and moved twice.
 /// let upright = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
 /// let start = Pinhole::new([150.0; 2], [60.0, 50.0], upright, [0.0, 0.0, 150.0])?;
-/// let camera = start.with_distortion(BrownDistortion::new([-0.2, 0.0, 0.0], [0.0; 2], [0.0; 2])?);
+/// let camera = start.clone().with_distortion(BrownDistortion::new([-0.2, 0.0, 0.0], [0.0; 2], [0.0; 2])?);
 /// let speckle = Speckle::new(6.0, 0.5, 1)?;
 /// let motions = [[20.0, -8.0], [-10.0, 16.0]];
 /// let image = |[x, y]: [f64; 2]| {
