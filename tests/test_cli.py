@@ -186,7 +186,7 @@ def test_progress_appears_on_a_terminal_when_work_lasts(
 
 
 def test_import_is_light() -> None:
-    heavy = "cv2 gmsh matplotlib meshio pydantic rich scipy tifffile typer"
+    heavy = "cv2 gmsh matplotlib meshio pydantic rich scipy tifffile typer fedic.calibration fedic.registration"
     code = f"import fedic, sys; print([name for name in {heavy.split()} if name in sys.modules])"
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert outcome.stdout.strip() == "[]"

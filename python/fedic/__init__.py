@@ -11,6 +11,9 @@ Conventions: an image point is ``(u, v)``, ``u`` the column to the right and ``v
 the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are positive in tension.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from fedic import synthetic
 from fedic._core import (
     BrownDistortion,
@@ -23,7 +26,6 @@ from fedic._core import (
     __version__,
     rectangle_mesh,
 )
-from fedic.calibration import Calibration, calibrate
 from fedic.camera_files import read_camera, write_camera
 from fedic.correlation import Correlator, correlate
 from fedic.errors import CalibrationWarning, CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
@@ -31,9 +33,12 @@ from fedic.gmsh_meshing import unstructured_mesh
 from fedic.images import read_image
 from fedic.meshes import read_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
-from fedic.registration import Registration, boundary_features, register
 from fedic.result import Iteration, Result
-from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
+
+if TYPE_CHECKING:
+    from fedic.calibration import Calibration, calibrate
+    from fedic.registration import Registration, boundary_features, register
+    from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
 
 __all__ = [
     "BrownDistortion",
@@ -72,3 +77,26 @@ __all__ = [
     "unstructured_mesh",
     "write_camera",
 ]
+
+_WHEN_ASKED_FOR = {
+    "Calibration": "calibration",
+    "calibrate": "calibration",
+    "Registration": "registration",
+    "boundary_features": "registration",
+    "register": "registration",
+    "SpecimenCalibration": "specimen_calibration",
+    "calibrate_on_specimen": "specimen_calibration",
+}
+"""Names and the modules they are in: a measurement does not need them, and starts sooner without."""
+
+
+def __getattr__(name: str) -> object:
+    module = _WHEN_ASKED_FOR.get(name, name)
+    if module not in _WHEN_ASKED_FOR.values():
+        raise AttributeError(f"module 'fedic' has no attribute {name!r}")
+    found = import_module(f"fedic.{module}")
+    return found if name == module else getattr(found, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
