@@ -37,6 +37,7 @@ from fedic.camera_files import read_camera
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.gmsh_meshing import unstructured_mesh
 from fedic.meshes import read_mesh
+from fedic.poses import posed
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
 if sys.version_info >= (3, 11):
@@ -250,13 +251,10 @@ class CameraFileSection(_Section):
             raise CameraError(
                 f"{self.file}: a {type(camera).__name__} has no pose; leave out rotation and translation."
             )
-        return Pinhole(
-            camera.focal,
-            camera.principal_point,
-            rotation=camera.rotation if self.rotation is None else self.rotation,
-            translation=camera.translation if self.translation is None else self.translation,
-            skew_angle=camera.skew_angle,
-            distortion=camera.distortion,
+        return posed(
+            camera,
+            camera.rotation if self.rotation is None else np.asarray(self.rotation, dtype=np.float64),
+            np.asarray(camera.translation if self.translation is None else self.translation),
         )
 
 

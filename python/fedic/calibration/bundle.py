@@ -129,21 +129,16 @@ class Bundle:
         valley, which straight steps follow slowly.
         """
         step, _ = equations.step(damping)
-        ahead, now = self._weighted(estimate.moved(_AHEAD * step)), self._weighted(estimate)
-        straight = equations.changes(step)
+        ahead = self.residuals(estimate.moved(_AHEAD * step))
+        known = zip(self._weights, ahead, equations.residuals, equations.changes(step), strict=True)
         curves = [
-            2.0 / _AHEAD * ((after - before) / _AHEAD + change)
-            for after, before, change in zip(ahead, now, straight, strict=True)
+            2.0 / _AHEAD * (((np.sqrt(weights)[:, np.newaxis] * after).ravel() - before) / _AHEAD + straight)
+            for weights, after, before, straight in known
         ]
         if not all(np.isfinite(curve).all() for curve in curves):
             return step
         bend, _ = equations.step_to(damping, curves)
         return step + 0.5 * bend if np.linalg.norm(bend) <= np.linalg.norm(step) else step
-
-    def _weighted(self, estimate: Estimate) -> list[Floats]:
-        """Return the weighted residuals (2 n,) of each view."""
-        pairs = zip(self._weights, self.residuals(estimate), strict=True)
-        return [(np.sqrt(weights)[:, np.newaxis] * residual).ravel() for weights, residual in pairs]
 
     @property
     def freedom(self) -> int:

@@ -29,6 +29,8 @@ class NormalEquations:
     ----------
     cost : float
         Sum of the squared residuals, and the penalty.
+    residuals : list of ndarray
+        Those of each view, as added.
     """
 
     def __init__(self, size: int, penalty: Floats | None = None, values: Floats | None = None) -> None:
@@ -36,6 +38,7 @@ class NormalEquations:
         if penalty is not None and values is not None:
             force = penalty @ values
             self._shared, self._gradient, self.cost = penalty.copy(), -force, float(values @ force)
+        self.residuals: list[Floats] = []
         self._rows: list[Floats] = []
         self._of_poses: list[Floats] = []
         self._across: list[Floats] = []
@@ -53,6 +56,7 @@ class NormalEquations:
         """
         own, pose = self._split(rows)
         self._rows.append(rows)
+        self.residuals.append(residuals)
         self._shared += own.T @ own
         self._gradient += own.T @ residuals
         self._of_poses.append(pose.T @ pose)

@@ -13,7 +13,7 @@ _FOLDS = 5
 _TRIED = np.logspace(-13.0, 2.0, 16)
 
 
-def smoothed(lens: SplineLens, bundle: Bundle, views: int, estimate: Estimate) -> SplineLens:
+def smoothed(lens: SplineLens, bundle: Bundle, estimate: Estimate) -> SplineLens:
     """Choose the smoothing of a lens.
 
     The views are dealt out in five groups. The field is fitted to all groups but one, and the points of that one, its
@@ -26,9 +26,7 @@ def smoothed(lens: SplineLens, bundle: Bundle, views: int, estimate: Estimate) -
     lens : SplineLens
         The lens; its smoothing is not looked at.
     bundle : Bundle
-        The views, with any smoothing.
-    views : int
-        Their number, at least two.
+        The views, at least two, with any smoothing.
     estimate : Estimate
         Near the minimum.
 
@@ -37,6 +35,7 @@ def smoothed(lens: SplineLens, bundle: Bundle, views: int, estimate: Estimate) -
     SplineLens
         The lens with its smoothing.
     """
+    views = len(estimate.rotations)
     count = min(_FOLDS, views)
     matrices = np.zeros((count, lens.size, lens.size))
     sides, costs = np.zeros((count, lens.size)), np.zeros(count)
@@ -49,7 +48,7 @@ def smoothed(lens: SplineLens, bundle: Bundle, views: int, estimate: Estimate) -
     start = estimate.intrinsics
     errors = np.zeros(len(_TRIED))
     for index, smoothing in enumerate(_TRIED):
-        form = replace(lens, smoothing=float(smoothing)).penalty
+        form = lens.penalty_of(smoothing)
         for own_matrix, own_side, own_cost in zip(matrices, sides, costs, strict=True):
             step = np.linalg.solve(matrix - own_matrix + form, side - own_side - form @ start)
             errors[index] += own_cost + step @ (own_matrix @ step - 2.0 * own_side)

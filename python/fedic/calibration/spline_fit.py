@@ -59,7 +59,7 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
         start = replace(near, intrinsics=np.concatenate([near.intrinsics[:4], np.zeros(lens.size - 4)]))
         bundle = Bundle(lens, kept, weights)
         near, _ = bundle.minimise(start, _FIRST_ITERATIONS)
-    lens = smoothed(lens, bundle, len(kept), near)
+    lens = smoothed(lens, bundle, near)
 
     rotations, translations = first.estimate.rotations.copy(), first.estimate.translations.copy()
     rotations[first.accepted], translations[first.accepted] = near.rotations, near.translations

@@ -113,11 +113,15 @@ class SplineLens:
     @cached_property
     def penalty(self) -> Floats:
         """Matrix (size, size) of the quadratic form that smooths the field and keeps its rigid part out."""
-        form: Floats = self.unit * (self.rigidity + self.smoothing * self.roughness)
+        return self.penalty_of(self.smoothing)
+
+    def penalty_of(self, smoothing: float) -> Floats:
+        """Return the penalty with another smoothing."""
+        form: Floats = self.unit * (self._rigidity + smoothing * self._roughness)
         return form
 
     @cached_property
-    def roughness(self) -> Floats:
+    def _roughness(self) -> Floats:
         """Matrix (size, size) of the sum of the squared differences of fourth order, in all directions."""
         width, height = (count + 3 for count in self.intervals)
         field = np.zeros((self._count, self._count))
@@ -129,7 +133,7 @@ class SplineLens:
         return self._of_both(field)
 
     @cached_property
-    def rigidity(self) -> Floats:
+    def _rigidity(self) -> Floats:
         """Matrix (size, size) of a quadratic form that only the rigid part of the field feels.
 
         The data do not feel it where poses and intrinsic parameters follow, so that its weight does not matter.

@@ -6,6 +6,7 @@ from fedic._types import Floats
 from fedic.calibration.bundle import Estimate, Observation
 from fedic.calibration.lens import Lens
 from fedic.errors import CameraError
+from fedic.poses import flat_poses
 
 __all__ = ["pose_of", "start"]
 
@@ -80,14 +81,13 @@ def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, 
     known = np.isfinite(pixels).all(axis=1)
     points, pixels = seen.points[known], pixels[known]
     try:
-        count, vectors, translations, _ = cv2.solvePnPGeneric(points, pixels, matrix, None, flags=cv2.SOLVEPNP_IPPE)
         refined = [
             cv2.solvePnPRefineLM(points, pixels, matrix, None, vector, translation)
-            for vector, translation in zip(vectors, translations, strict=True)
+            for vector, translation in flat_poses(points, pixels, matrix)
         ]
     except cv2.error:
-        count = 0
-    if not count:
+        refined = []
+    if not refined:
         raise CameraError("No pose explains the points of this view.")
     costs = [float(((cv2.projectPoints(points, *pose, matrix, None)[0][:, 0] - pixels) ** 2).sum()) for pose in refined]
     if not np.isfinite(costs).any():

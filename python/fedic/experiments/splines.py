@@ -22,6 +22,7 @@ from fedic.experiments.lens import (
 )
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT
+from fedic.poses import posed
 from fedic.registration import register
 
 __all__ = ["run"]
@@ -144,18 +145,14 @@ def _seen(scene: Scene, angles: Floats, middle: Floats, distance: float) -> tupl
     points = np.column_stack([column.ravel(), row.ravel(), np.zeros(column.size)]) * PITCH * MILLIMETRES
     true = scene.camera
     x, y = (middle - PRINCIPAL_POINT) * MILLIMETRES * distance
-    rotation = cv2.Rodrigues(angles)[0] @ np.diag([1.0, -1.0, -1.0])
+    rotation = np.asarray(cv2.Rodrigues(angles)[0], dtype=np.float64) @ np.diag([1.0, -1.0, -1.0])
     place = (float(x), float(y), true.translation[2] * distance)
-    camera = Pinhole(true.focal, true.principal_point, rotation, place, distortion=true.distortion)
-    return points, camera.project(points)
+    return points, posed(true, rotation, np.array(place)).project(points)
 
 
 def _placed(scene: Scene, calibration: Calibration, pair: Pair, points: Floats, pixels: Floats) -> Pinhole:
     """Return the camera found, before the plane of the scene by points whose places are known in it."""
-    found = calibration.camera
-    true = scene.camera
-    upright = np.diag([1.0, -1.0, -1.0])
-    start = Pinhole(found.focal, found.principal_point, upright, true.translation, distortion=found.distortion)
+    start = posed(calibration.camera, scene.camera.rotation, np.asarray(scene.camera.translation))
     middle = (np.array([0.5 * WIDTH, 0.5 * HEIGHT]) - PRINCIPAL_POINT) * (MILLIMETRES, -MILLIMETRES)
     where = points + np.array([*middle, 0.0])
     mesh = Mesh(where[[0, COLUMNS - 1, -1, -COLUMNS], :2], {"quad": [[0, 1, 2, 3]]})

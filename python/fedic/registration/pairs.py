@@ -8,7 +8,8 @@ import numpy as np
 from fedic._core import Pinhole
 from fedic._types import Floats, StrPath
 from fedic.errors import CameraError
-from fedic.registration.pose import Placeable, pose_jacobian, posed
+from fedic.poses import flat_poses, posed
+from fedic.registration.pose import Placeable, pose_jacobian
 from fedic.registration.space import in_space
 
 __all__ = ["Pairs", "Place", "checked_pairs", "pair_rows", "pinhole_from_pairs", "read_pairs"]
@@ -147,16 +148,11 @@ def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:
         return []
     try:
         retinal = posed(camera, np.eye(3), np.zeros(3)).unproject(pairs.pixels, z=1.0)[:, :2].copy()
-        height = np.array([0.0, 0.0, pairs.points[0, 2]])
-        count, vectors, translations, _ = cv2.solvePnPGeneric(
-            pairs.points - height, retinal, np.eye(3), np.zeros(4), flags=cv2.SOLVEPNP_IPPE
-        )
-    except (CameraError, cv2.error):
+    except CameraError:
         return []
+    height = np.array([0.0, 0.0, pairs.points[0, 2]])
     found = []
-    for vector, translation in zip(vectors[:count], translations[:count], strict=True):
-        if not (np.isfinite(vector).all() and np.isfinite(translation).all()):
-            continue
+    for vector, translation in flat_poses(pairs.points - height, retinal, np.eye(3)):
         turn = np.asarray(cv2.Rodrigues(vector)[0], dtype=np.float64)
-        found.append(posed(camera, turn, np.asarray(translation, dtype=np.float64).ravel() - turn @ height))
+        found.append(posed(camera, turn, translation - turn @ height))
     return found

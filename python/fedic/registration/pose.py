@@ -13,8 +13,9 @@ import numpy as np
 from fedic._core import FrontParallel, Pinhole
 from fedic._types import Floats
 from fedic.errors import CameraError
+from fedic.poses import posed
 
-__all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "posed", "similarity_parameters"]
+__all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "similarity_parameters"]
 
 Placeable: TypeAlias = FrontParallel | Pinhole
 
@@ -116,16 +117,3 @@ def move(camera: Placeable, names: Sequence[str], steps: Floats) -> Placeable:
     turn = np.asarray(cv2.Rodrigues(np.array([rx, ry, rz]))[0])
     tx, ty, tz = camera.translation
     return posed(camera, turn @ camera.rotation, np.array([tx + dx, ty + dy, tz + dz]))
-
-
-def posed(camera: Pinhole, rotation: Floats, translation: Floats) -> Pinhole:
-    """Return a pinhole camera with another pose."""
-    tx, ty, tz = (float(value) for value in translation)
-    return Pinhole(
-        camera.focal,
-        camera.principal_point,
-        rotation=rotation,
-        translation=(tx, ty, tz),
-        skew_angle=camera.skew_angle,
-        distortion=camera.distortion,
-    )

@@ -8,12 +8,13 @@ import numpy as np
 from fedic._core import Mesh, Pinhole
 from fedic._types import Floats, Image
 from fedic.errors import CameraError, ImageError, SolveError
+from fedic.poses import posed
 from fedic.registration.covariance import check_determined
 from fedic.registration.edges import Strip, across_jacobian, prepare_strip
 from fedic.registration.features import BoundaryFeature
 from fedic.registration.fit import fit_edges, fit_pairs
 from fedic.registration.pairs import Pairs, Place, pinhole_from_pairs
-from fedic.registration.pose import Placeable, posed
+from fedic.registration.pose import Placeable
 from fedic.registration.problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
 from fedic.registration.sampling import sample_feature
 from fedic.registration.search import nearby

@@ -13,9 +13,10 @@ from fedic.calibration.detection import NotFoundError, find_target
 from fedic.calibration.refinement import refined
 from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError, ImageError
+from fedic.poses import posed
 from fedic.registration.numbers import finite_number
 from fedic.registration.pairs import Pairs, Place, pinhole_from_pairs
-from fedic.registration.pose import Placeable, posed
+from fedic.registration.pose import Placeable
 
 __all__ = ["LyingTarget", "lying_target", "start_on_target", "target_pairs"]
 
