@@ -29,6 +29,13 @@ impl Correction {
     }
 }
 
+/// Sum and sum of squares of grey levels counted from `pivot`, where `sums` are those of the same counted from `before`;
+/// `weight` is the sum of their weights.
+pub(crate) fn counted_from(pivot: f64, sums: [f64; 2], weight: f64, before: f64) -> [f64; 2] {
+    let ([sum, squares], shift) = (sums, before - pivot);
+    [sum + weight * shift, squares + shift * (2.0 * sum + weight * shift)]
+}
+
 impl Moments {
     pub(crate) fn add_point(&mut self, weight: f64, f: f64, g: f64) {
         self.weight += weight;
@@ -91,6 +98,19 @@ mod tests {
         points.iter().for_each(|&(w, f, g)| shifted.add_point(w, f - 7.0, g - 7.0));
         let same = shifted.correction().without_pivot(7.0);
         assert!((same.gain - c.gain).abs() < 1e-12 && (same.offset - c.offset).abs() < 1e-11);
+    }
+
+    #[test]
+    fn sums_are_counted_from_another_level() {
+        let points = [(0.5, 10.0, 3.0), (1.0, 14.0, 4.0), (2.0, 9.0, 8.0)];
+        let from = |level: f64| {
+            let mut moments = Moments::default();
+            points.iter().for_each(|&(w, f, g)| moments.add_point(w, f, g - level));
+            moments
+        };
+        let ([one, other], weight) = ([from(5.0), from(-3.5)], 3.5);
+        let [g, gg] = counted_from(-3.5, [one.g, one.gg], weight, 5.0);
+        assert!((g - other.g).abs() < 1e-12 && (gg - other.gg).abs() < 1e-11, "{g} {gg} {other:?}");
     }
 
     #[test]

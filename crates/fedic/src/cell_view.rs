@@ -10,9 +10,9 @@ use crate::cell_quadrature::CellQuadrature;
 use crate::expansion::{Expansion, NodeView};
 
 /// Where a cell's nodes are, and the polynomials that say where its points are seen, unless only the camera can.
-pub(crate) struct CellView {
+pub(crate) struct CellView<'a> {
     cell_type: CellType,
-    places: [[f64; 3]; MAX_NODES],
+    nodes: [&'a NodeView; MAX_NODES],
     pub(crate) expansion: Option<Expansion>,
 }
 
@@ -33,13 +33,13 @@ pub(crate) fn node_views(
     mesh.points().par_iter().enumerate().map(view).collect()
 }
 
-impl CellView {
-    pub(crate) fn new(mesh: &Mesh, cell: usize, views: &[NodeView], camera: &dyn Camera) -> Self {
+impl<'a> CellView<'a> {
+    pub(crate) fn new(mesh: &Mesh, cell: usize, views: &'a [NodeView], camera: &dyn Camera) -> Self {
         let cell = mesh.cell(cell);
-        let mut nodes = [views[cell.nodes[0] as usize]; MAX_NODES];
-        nodes.iter_mut().zip(cell.nodes).for_each(|(view, &node)| *view = views[node as usize]);
+        let mut nodes = [&views[cell.nodes[0] as usize]; MAX_NODES];
+        nodes.iter_mut().zip(cell.nodes).for_each(|(view, &node)| *view = &views[node as usize]);
         let expansion = Expansion::new(cell.cell_type, &nodes[..cell.nodes.len()], camera);
-        Self { cell_type: cell.cell_type, places: nodes.map(|node| node.place), expansion }
+        Self { cell_type: cell.cell_type, nodes, expansion }
     }
 
     /// Projects the points of the cell one by one, batch by batch; `use_batch` is told which points a batch holds.
@@ -52,10 +52,11 @@ impl CellView {
         mut use_batch: impl FnMut(&mut Batch, std::ops::Range<usize>),
     ) {
         let count = quadrature.range(cell).len();
+        let places = self.nodes.map(|node| node.place);
         for first in (0..count).step_by(BATCH) {
             let points = first..count.min(first + BATCH);
             batch.take(quadrature, cell, self.cell_type, first, points.len());
-            batch.project_with_jacobian(camera, &self.places[..self.cell_type.num_nodes()]);
+            batch.project_with_jacobian(camera, &places[..self.cell_type.num_nodes()]);
             use_batch(batch, points);
         }
     }

@@ -10,6 +10,8 @@ use fedic_camera::Camera;
 use fedic_mesh::{CellType, MAX_NODES, shape_gradients, shape_values};
 use nalgebra::{DMatrix, DVector};
 
+use crate::simd::combination;
+
 /// Monomials `xi^i eta^j` besides the constant, by degree.
 const EXPONENTS: [[i32; 2]; MONOMIALS] =
     [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2], [3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
@@ -29,6 +31,9 @@ const JACOBIAN_PER_PRECISION: f64 = 10.0;
 
 /// Singular values below this count as zero.
 const RANK: f64 = 1e-10;
+
+/// Coefficients of the constant and of each monomial, and a zero that fills the last vector.
+pub(crate) type Polynomial = [f64; MONOMIALS + 2];
 
 /// Values, then slopes along `xi`, then along `eta`, at each node; then the value at the centre.
 const DATA: usize = 3 * MAX_NODES + 1;
@@ -69,9 +74,9 @@ pub(crate) fn monomials([xi, eta]: [f64; 2]) -> [f64; MONOMIALS] {
 struct Fit {
     num_nodes: usize,
     /// What each datum adds to the coefficients: of the constant, then of each monomial.
-    pixel: [[f64; MONOMIALS + 1]; DATA],
+    pixel: [Polynomial; DATA],
     /// The same of the values at the nodes alone: what the shape functions are made of.
-    shape: [[f64; MONOMIALS + 1]; MAX_NODES],
+    shape: [Polynomial; MAX_NODES],
     jacobian: [[f64; 3]; MAX_NODES],
     /// Derivatives of the shape functions at each node.
     gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
@@ -114,8 +119,8 @@ impl Fit {
         });
         let mut fit = Self {
             num_nodes: n,
-            pixel: [[0.0; MONOMIALS + 1]; DATA],
-            shape: [[0.0; MONOMIALS + 1]; MAX_NODES],
+            pixel: [Polynomial::default(); DATA],
+            shape: [Polynomial::default(); MAX_NODES],
             jacobian: [[0.0; 3]; MAX_NODES],
             gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
             centre_shape: [0.0; MAX_NODES],
@@ -165,7 +170,7 @@ impl Fit {
 
 impl Expansion {
     /// The polynomials over a cell with these nodes, or `None` where they are too far from the camera.
-    pub(crate) fn new(cell_type: CellType, nodes: &[NodeView], camera: &dyn Camera) -> Option<Self> {
+    pub(crate) fn new(cell_type: CellType, nodes: &[&NodeView], camera: &dyn Camera) -> Option<Self> {
         let fit = Fit::of(cell_type);
         let constant = camera.constant_jacobian().is_some();
         let n = fit.num_nodes as f64;
@@ -177,19 +182,19 @@ impl Expansion {
             return None;
         }
         let origin = centre.map(f64::round);
-        let mut coefficients = [[0.0; MONOMIALS + 1]; 2];
         let mut jacobian = [[0.0; 3]; 4];
+        let coefficients;
         if constant {
-            for (node, shares) in nodes.iter().zip(&fit.shape) {
-                for c in 0..2 {
-                    add_scaled(&mut coefficients[c], node.pixel[c] - origin[c], shares);
-                }
+            let mut values = [[0.0; MAX_NODES]; 2];
+            for (a, node) in nodes.iter().enumerate() {
+                (0..2).for_each(|c| values[c][a] = node.pixel[c] - origin[c]);
             }
+            coefficients = values.map(|values| combination(&values[..nodes.len()], &fit.shape));
             for entry in 0..4 {
                 jacobian[entry][0] = nodes[0].jacobian[entry / 2][entry % 2];
             }
         } else {
-            fit.expand(nodes, camera, origin, &mut coefficients);
+            coefficients = fit.expand(nodes, camera, origin);
             jacobian = fit.expand_jacobian(nodes);
             if !fit.agrees(nodes, camera, origin, &coefficients, &jacobian) {
                 return None;
@@ -198,7 +203,7 @@ impl Expansion {
         let terms = worth_adding(&coefficients);
         Some(Self {
             origin: origin.map(|c| c as isize),
-            pixel: coefficients.map(|c| c.map(|c| c as f32)),
+            pixel: coefficients.map(|c| std::array::from_fn(|m| c[m] as f32)),
             remainder: coefficients.map(|c| [1, 2].map(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
             terms,
             jacobian: jacobian.map(|c| c.map(|c| c as f32)),
@@ -207,13 +212,7 @@ impl Expansion {
 }
 
 impl Fit {
-    fn expand(
-        &self,
-        nodes: &[NodeView],
-        camera: &dyn Camera,
-        origin: [f64; 2],
-        coefficients: &mut [[f64; MONOMIALS + 1]; 2],
-    ) {
+    fn expand(&self, nodes: &[&NodeView], camera: &dyn Camera, origin: [f64; 2]) -> [Polynomial; 2] {
         let n = self.num_nodes;
         let mut data = [[0.0; DATA]; 2];
         let centre = camera.project(interpolate(&self.centre_shape, nodes));
@@ -233,18 +232,16 @@ impl Fit {
                 data[c][2 * n + a] = x * tangents[1][0] + y * tangents[1][1] + z * tangents[1][2];
             }
         }
-        for (datum, shares) in self.pixel[..=3 * n].iter().enumerate() {
-            for c in 0..2 {
-                add_scaled(&mut coefficients[c], data[c][datum], shares);
-            }
-        }
+        data.map(|data| combination(&data[..=3 * n], &self.pixel))
     }
 
-    fn expand_jacobian(&self, nodes: &[NodeView]) -> [[f64; 3]; 4] {
+    fn expand_jacobian(&self, nodes: &[&NodeView]) -> [[f64; 3]; 4] {
         let mut jacobian = [[0.0; 3]; 4];
         for (node, shares) in nodes.iter().zip(&self.jacobian) {
             for entry in 0..4 {
-                add_scaled(&mut jacobian[entry], node.jacobian[entry / 2][entry % 2], shares);
+                for m in 0..3 {
+                    jacobian[entry][m] += node.jacobian[entry / 2][entry % 2] * shares[m];
+                }
             }
         }
         jacobian
@@ -253,10 +250,10 @@ impl Fit {
     /// Whether the polynomials agree with the camera away from the nodes.
     fn agrees(
         &self,
-        nodes: &[NodeView],
+        nodes: &[&NodeView],
         camera: &dyn Camera,
         origin: [f64; 2],
-        coefficients: &[[f64; MONOMIALS + 1]; 2],
+        coefficients: &[Polynomial; 2],
         jacobian: &[[f64; 3]; 4],
     ) -> bool {
         let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
@@ -277,13 +274,7 @@ impl Fit {
     }
 }
 
-fn add_scaled<const N: usize>(sum: &mut [f64; N], factor: f64, shares: &[f64; N]) {
-    for (sum, share) in sum.iter_mut().zip(shares) {
-        *sum += factor * share;
-    }
-}
-
-fn interpolate(shape: &[f64; MAX_NODES], nodes: &[NodeView]) -> [f64; 3] {
+fn interpolate(shape: &[f64; MAX_NODES], nodes: &[&NodeView]) -> [f64; 3] {
     let mut place = [0.0; 3];
     for (shape, node) in shape.iter().zip(nodes) {
         (0..3).for_each(|d| place[d] += shape * node.place[d]);
@@ -292,9 +283,9 @@ fn interpolate(shape: &[f64; MAX_NODES], nodes: &[NodeView]) -> [f64; 3] {
 }
 
 /// The fewest monomials, up to a whole degree, beyond which coefficients add up to nothing: a monomial is at most one.
-fn worth_adding(coefficients: &[[f64; MONOMIALS + 1]; 2]) -> usize {
+fn worth_adding(coefficients: &[Polynomial; 2]) -> usize {
     let rest = |terms: usize| {
-        let beyond = |c: &[f64; MONOMIALS + 1]| c[terms + 1..].iter().map(|c| c.abs()).sum::<f64>();
+        let beyond = |c: &Polynomial| c[terms + 1..].iter().map(|c| c.abs()).sum::<f64>();
         coefficients.iter().map(beyond).fold(0.0, f64::max)
     };
     UP_TO_DEGREE.into_iter().find(|&terms| rest(terms) <= NEGLIGIBLE).unwrap_or(MONOMIALS)
@@ -328,6 +319,10 @@ mod tests {
             NodeView { place, pixel, jacobian }
         };
         cell.reference_nodes().iter().enumerate().map(|node| view(place(node))).collect()
+    }
+
+    fn expand(cell: CellType, nodes: &[NodeView], camera: &dyn Camera) -> Option<Expansion> {
+        Expansion::new(cell, &nodes.iter().collect::<Vec<_>>(), camera)
     }
 
     fn points_of(cell: CellType) -> impl Iterator<Item = [f64; 2]> {
@@ -369,7 +364,7 @@ mod tests {
             for cell in CellType::ALL {
                 for half in [5.0, 10.0, 40.0] {
                     let nodes = warped(cell, half, &camera);
-                    if let Some(expansion) = Expansion::new(cell, &nodes, &camera) {
+                    if let Some(expansion) = expand(cell, &nodes, &camera) {
                         let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
                         assert!(pixel < 2.5e-6 && jacobian < 4e-4, "{cell}, {half}: {pixel:e} px, {jacobian:e}");
                         expanded += 1;
@@ -419,7 +414,7 @@ mod tests {
                             (node.pixel, node.jacobian) = camera.project_with_jacobian(node.place);
                         }
                         cells += 1;
-                        if let Some(expansion) = Expansion::new(cell, &nodes, &camera) {
+                        if let Some(expansion) = expand(cell, &nodes, &camera) {
                             expanded += 1;
                             let found = differences(cell, &nodes, &camera, &expansion);
                             worst = [worst[0].max(found[0]), worst[1].max(found[1])];
@@ -437,7 +432,7 @@ mod tests {
         let camera = fedic_camera::FrontParallel::new(1.0, [12_000.3, 15_000.7]).unwrap();
         for cell in CellType::ALL {
             let nodes = warped(cell, 10.0, &camera);
-            let expansion = Expansion::new(cell, &nodes, &camera).unwrap();
+            let expansion = expand(cell, &nodes, &camera).unwrap();
             let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
             assert!(pixel < 6e-7 && jacobian == 0.0, "{cell}: {pixel:e} px, {jacobian:e}");
         }

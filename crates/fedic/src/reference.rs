@@ -4,7 +4,7 @@ use fedic_camera::Camera;
 use fedic_mesh::{CellType, MAX_NODES, Mesh, jacobian};
 use rayon::prelude::*;
 
-use crate::brightness::Moments;
+use crate::brightness::{Moments, counted_from};
 use crate::cell_quadrature::CellQuadrature;
 use crate::cell_view::CellView;
 use crate::expansion::NodeView;
@@ -70,7 +70,7 @@ impl ReferenceReader<'_> {
     }
 
     /// Grey levels and gradients at the points of a cell; where it has no expansion, `work.q` too.
-    fn read(&self, work: &mut Work, cell: usize, view: &CellView, value: &mut [f32], gradient: [&mut [f32]; 2]) {
+    fn read(&self, work: &mut Work, cell: usize, view: &CellView<'_>, value: &mut [f32], gradient: [&mut [f32]; 2]) {
         let (cell_type, count) = (self.mesh.cell(cell).cell_type, self.quadrature.range(cell).len());
         let [along_u, along_v] = gradient;
         let Some(expansion) = &view.expansion else {
@@ -118,7 +118,7 @@ impl ReferenceReader<'_> {
         &self,
         work: &mut Work,
         cell: usize,
-        view: &CellView,
+        view: &CellView<'_>,
         value: &[f32],
         gradient: [&[f32]; 2],
         weights: Option<&[f32]>,
@@ -127,8 +127,10 @@ impl ReferenceReader<'_> {
     ) -> CellReading {
         let cell_type = self.mesh.cell(cell).cell_type;
         let mut hessian = CellHessian::new(cell_type.num_nodes());
-        let mut sums = Moments::default();
         let mut brightness = [[[0.0; COMPONENTS]; MAX_NODES]; 2];
+        let from = value.first().copied().unwrap_or_default();
+        let mut weight = 0.0;
+        let mut levels = [0.0; 2];
         for first in (0..value.len()).step_by(PART) {
             let rows = work.own_table.rows(self.quadrature, cell, cell_type, first);
             let part = first..first + rows.padded();
@@ -153,13 +155,14 @@ impl ReferenceReader<'_> {
                 let (part, _) = residual_sums(rows, readings);
                 sums.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(sum, p)| *sum += scale * p);
             }
-            let [f, ff] = moments(value, weights, self.pivot);
-            sums.weight += scale * weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
-            sums.f += scale * f;
-            sums.ff += scale * ff;
+            weight += weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
+            levels.iter_mut().zip(moments(value, weights, from)).for_each(|(sum, part)| *sum += part);
         }
+        let [f, ff] = counted_from(f64::from(self.pivot), levels, weight, f64::from(from));
+        let [weight, f, ff] = [weight, f, ff].map(|sum| scale * sum);
+        let moments = Moments { weight, f, ff, ..Moments::default() };
         hessian.scale(scale);
-        CellReading { hessian, moments: sums, brightness, outside }
+        CellReading { hessian, moments, brightness, outside }
     }
 }
 

@@ -4,7 +4,7 @@ use fedic_image::Interpolator;
 use fedic_mesh::MAX_NODES;
 use fedic_sparse::SymmetricMatrix;
 
-use crate::brightness::{Correction, FLAT, Moments};
+use crate::brightness::{Correction, FLAT, Moments, counted_from};
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::{CellView, node_views};
 use crate::expansion::NodeView;
@@ -145,7 +145,7 @@ impl Evaluator<'_> {
 
     /// Reads the deformed image at the points of a cell: their grey levels are in `work.grey`. Where points lie outside, their
     /// weights, in `work.weights`, vanish. Where the cell has no expansion, `work.q` holds the gradients pulled back.
-    fn read_cell(&self, work: &mut Work, cell: usize, view: &CellView, points: CellPoints<'_>) -> CellReading {
+    fn read_cell(&self, work: &mut Work, cell: usize, view: &CellView<'_>, points: CellPoints<'_>) -> CellReading {
         let level = self.level;
         let (cell_type, count) = (self.system.mesh.cell(cell).cell_type, level.quadrature.range(cell).len());
         work.resize(count);
@@ -170,9 +170,11 @@ impl Evaluator<'_> {
                 }
             });
         }
-        let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, points.weights);
+        let of_reference = level.moments[cell];
+        let weight = of_reference.weight / points.scale;
+        let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, points.weights, weight);
         if !g.is_nan() {
-            let moments = Moments { g: points.scale * g, gg: points.scale * gg, ..level.moments[cell] };
+            let moments = Moments { g: points.scale * g, gg: points.scale * gg, ..of_reference };
             return CellReading { moments, outside: false };
         }
         let mut weight = 0.0;
@@ -186,23 +188,32 @@ impl Evaluator<'_> {
             }
         }
         let weights = Some(work.weights.as_slice());
-        let [f, ff] = self.moments(&mut work.own_table, cell, points.value, weights);
-        let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, weights);
+        let [f, ff] = self.moments(&mut work.own_table, cell, points.value, weights, weight);
+        let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, weights, weight);
         let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| points.scale * sum);
         CellReading { moments: Moments { weight, f, ff, g, gg }, outside: true }
     }
 
-    /// Weighted sum and sum of squares of grey levels, counted from the pivot, at the points of a cell.
-    fn moments(&self, own: &mut OwnTable, cell: usize, grey: &[f32], weights: Option<&[f32]>) -> [f64; 2] {
+    /// Weighted sum and sum of squares of grey levels, counted from the pivot, at the points of a cell whose weights add up to
+    /// `weight`.
+    fn moments(
+        &self,
+        own: &mut OwnTable,
+        cell: usize,
+        grey: &[f32],
+        weights: Option<&[f32]>,
+        weight: f64,
+    ) -> [f64; 2] {
+        let Some(&from) = grey.first() else { return [0.0; 2] };
         let mut sums = [0.0; 2];
         for first in (0..grey.len()).step_by(PART) {
             let rows = own.rows(&self.level.quadrature, cell, self.system.mesh.cell(cell).cell_type, first);
             let part = first..first + rows.padded();
             let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
-            let part_sums = moments(&grey[part], weights, self.level.pivot);
+            let part_sums = moments(&grey[part], weights, from);
             sums.iter_mut().zip(part_sums).for_each(|(sum, part)| *sum += part);
         }
-        sums
+        counted_from(f64::from(self.level.pivot), sums, weight, f64::from(from))
     }
 
     fn evaluate_cell(

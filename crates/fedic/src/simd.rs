@@ -5,7 +5,7 @@ use fedic_mesh::MAX_NODES;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::COMPONENTS;
-use crate::expansion::{Expansion, MONOMIALS};
+use crate::expansion::{Expansion, MONOMIALS, Polynomial};
 use crate::point_table::Rows;
 
 /// Vectors added in single precision before a sum goes on in double precision.
@@ -14,6 +14,32 @@ const FLUSH: usize = 16;
 /// Runs a loop.
 fn run<O: WithSimd>(operation: O) -> O::Output {
     Arch::new().dispatch(operation)
+}
+
+/// The sum of polynomials, each times its factor.
+pub(crate) fn combination(factors: &[f64], polynomials: &[Polynomial]) -> Polynomial {
+    run(Combination { factors, polynomials })
+}
+
+struct Combination<'a> {
+    factors: &'a [f64],
+    polynomials: &'a [Polynomial],
+}
+
+impl WithSimd for Combination<'_> {
+    type Output = Polynomial;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Polynomial {
+        let mut sum = Polynomial::default();
+        for (&factor, polynomial) in self.factors.iter().zip(self.polynomials) {
+            let factor = simd.splat_f64s(factor);
+            for (sum, &share) in S::as_mut_simd_f64s(&mut sum).0.iter_mut().zip(S::as_simd_f64s(polynomial).0) {
+                *sum = simd.mul_add_e_f64s(factor, share, *sum);
+            }
+        }
+        sum
+    }
 }
 
 /// Evaluates the polynomials of an expansion: pixel coordinates, counted from its origin.
@@ -75,36 +101,35 @@ impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
     }
 }
 
-/// Sums of `w (g - pivot)` and `w (g - pivot)^2`, in double precision: a flat image must look flat.
-pub(crate) fn moments(grey: &[f32], weights: &[f32], pivot: f32) -> [f64; 2] {
-    run(Moments { grey, weights, pivot })
+/// Weighted sums of grey levels, counted from one of them, and of their squares: those of a flat image vanish.
+pub(crate) fn moments(grey: &[f32], weights: &[f32], from: f32) -> [f64; 2] {
+    run(Moments { grey, weights, from })
 }
 
 struct Moments<'a> {
     grey: &'a [f32],
     weights: &'a [f32],
-    pivot: f32,
+    from: f32,
 }
 
 impl WithSimd for Moments<'_> {
     type Output = [f64; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 2] {
-        const LANES: usize = 8;
-        let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
-        for (grey, weights) in self.grey.as_chunks::<LANES>().0.iter().zip(self.weights.as_chunks::<LANES>().0) {
-            for lane in 0..LANES {
-                let centred = f64::from(grey[lane] - self.pivot);
-                let weighted = f64::from(weights[lane]) * centred;
-                sums[lane] += weighted;
-                squares[lane] += weighted * centred;
-            }
-        }
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+        let (grey, weights) = (S::as_simd_f32s(self.grey).0, S::as_simd_f32s(self.weights).0);
+        let from = simd.splat_f32s(self.from);
         let mut totals = [0.0; 2];
-        for lane in 0..LANES {
-            totals[0] += sums[lane];
-            totals[1] += squares[lane];
+        for (grey, weights) in grey.chunks(FLUSH).zip(weights.chunks(FLUSH)) {
+            let (mut sum, mut squares) = (simd.splat_f32s(0.0), simd.splat_f32s(0.0));
+            for (&grey, &weight) in grey.iter().zip(weights) {
+                let counted = simd.sub_f32s(grey, from);
+                let weighted = simd.mul_f32s(weight, counted);
+                sum = simd.add_f32s(weighted, sum);
+                squares = simd.mul_add_e_f32s(weighted, counted, squares);
+            }
+            totals[0] += f64::from(simd.reduce_sum_f32s(sum));
+            totals[1] += f64::from(simd.reduce_sum_f32s(squares));
         }
         totals
     }
