@@ -51,14 +51,18 @@ impl Places {
         let base = grid.first(origin[0], origin[1]);
         let stride = grid.stride as i32;
         let [middle_u, middle_v] = &mut self.middle;
+        // Two loops: vectors of 32-bit numbers must not be stored in the halves that 64-bit ones would impose.
+        let mut offsets = [0_i32; BLOCK];
         for k in 0..BLOCK {
             let (x, y) = (u[k] - 0.5, v[k] - 0.5);
             let (column, row) = (x + ROUNDING_F32, y + ROUNDING_F32);
             middle_u[k] = x - (column - ROUNDING_F32);
             middle_v[k] = y - (row - ROUNDING_F32);
             let whole = |rounded: f32| rounded.to_bits().wrapping_sub(ROUNDING_F32.to_bits()) as i32;
-            let offset = whole(row).wrapping_mul(stride).wrapping_add(whole(column));
-            self.first[k] = base.wrapping_add_signed(offset as isize);
+            offsets[k] = whole(row).wrapping_mul(stride).wrapping_add(whole(column));
+        }
+        for (first, offset) in self.first.iter_mut().zip(offsets) {
+            *first = base.wrapping_add_signed(offset as isize);
         }
     }
 }

@@ -133,18 +133,28 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
     }
 }
 
+/// Vectors compared side by side, so that none waits for the one before.
+const CHAINS: usize = 4;
+
 /// Least and greatest of some numbers; NaN where one of them is not finite.
 #[inline(always)]
 fn extent<S: Simd>(simd: S, numbers: &[f32]) -> [f32; 2] {
     let (vectors, rest) = S::as_simd_f32s(numbers);
-    let (mut low, mut high) = (simd.splat_f32s(f32::INFINITY), simd.splat_f32s(f32::NEG_INFINITY));
+    let infinity = simd.splat_f32s(f32::INFINITY);
+    let (mut lows, mut highs) = ([infinity; CHAINS], [simd.neg_f32s(infinity); CHAINS]);
     // A comparison may lose a NaN, a product with zero does not.
-    let mut zero = simd.splat_f32s(0.0);
-    for &vector in vectors {
-        low = simd.min_f32s(low, vector);
-        high = simd.max_f32s(high, vector);
-        zero = simd.mul_add_e_f32s(vector, simd.splat_f32s(0.0), zero);
+    let mut zeros = [simd.splat_f32s(0.0); CHAINS];
+    let zero = zeros[0];
+    for vectors in vectors.chunks(CHAINS) {
+        for (chain, &vector) in vectors.iter().enumerate() {
+            lows[chain] = simd.min_f32s(lows[chain], vector);
+            highs[chain] = simd.max_f32s(highs[chain], vector);
+            zeros[chain] = simd.mul_add_e_f32s(vector, zero, zeros[chain]);
+        }
     }
+    let low = lows.into_iter().fold(infinity, |low, chain| simd.min_f32s(low, chain));
+    let high = highs.into_iter().fold(simd.neg_f32s(infinity), |high, chain| simd.max_f32s(high, chain));
+    let zero = zeros.into_iter().fold(zero, |zero, chain| simd.add_f32s(zero, chain));
     let (mut low, mut high, mut zero) =
         (simd.reduce_min_f32s(low), simd.reduce_max_f32s(high), simd.reduce_sum_f32s(zero));
     for &number in rest {

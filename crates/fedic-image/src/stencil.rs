@@ -101,10 +101,13 @@ pub(crate) mod avx2 {
                 };
                 for reading in 0..READINGS {
                     let (set, weights) = readings[reading];
-                    let mut sum = self.avx._mm256_mul_ps(columns[set][0], eight(&weights[0], k));
-                    for column in 1..TAPS {
-                        sum = self.fma._mm256_fmadd_ps(columns[set][column], eight(&weights[column], k), sum);
+                    // Two sums side by side: half as long to wait for.
+                    let mut sums = [self.avx._mm256_setzero_ps(); 2];
+                    for column in 0..TAPS {
+                        let sum = &mut sums[column % 2];
+                        *sum = self.fma._mm256_fmadd_ps(columns[set][column], eight(&weights[column], k), *sum);
                     }
+                    let sum = self.avx._mm256_add_ps(sums[0], sums[1]);
                     let sum: [f32; POINTS] = pulp::cast(sum);
                     out[reading][k..k + POINTS].copy_from_slice(&sum);
                 }
@@ -121,13 +124,32 @@ pub(crate) mod avx2 {
         k: usize,
     ) -> [[__m256; COLUMNS]; SETS] {
         let zero = v3.avx._mm256_setzero_ps();
+        // The weights of points `k + i` and `k + i + 4` in two halves, as their coefficients will be.
+        let mut weights = [[zero; 4]; SETS];
+        for set in 0..SETS {
+            for row in 0..TAPS {
+                weights[set][row] = eight(&rows[set][row], k);
+            }
+            weights[set] = transpose(v3, weights[set]);
+        }
+        let stride = stencils.stride as u32 as usize;
         let mut lines = [[zero; 4]; SETS];
         for i in 0..4 {
-            let low = narrow_line(v3, stencils, rows, k + i);
-            let high = narrow_line(v3, stencils, rows, k + i + 4);
-            for set in 0..SETS {
-                let low = v3.avx._mm256_castps128_ps256(low[set]);
-                lines[set][i] = v3.avx._mm256_insertf128_ps::<1>(low, high[set]);
+            let [low, high] = [k + i, k + i + 4].map(|k| &stencils.data[stencils.first[k]..][..offset::<TAPS>(stride) + 4]);
+            let mut start = 0;
+            for row in 0..TAPS {
+                let low = v3.avx._mm256_castps128_ps256(four(&low[start..]));
+                let coefficients = v3.avx._mm256_insertf128_ps::<1>(low, four(&high[start..]));
+                start += stride;
+                for set in 0..SETS {
+                    let weight = match row {
+                        0 => v3.avx._mm256_permute_ps::<0x00>(weights[set][i]),
+                        1 => v3.avx._mm256_permute_ps::<0x55>(weights[set][i]),
+                        2 => v3.avx._mm256_permute_ps::<0xaa>(weights[set][i]),
+                        _ => v3.avx._mm256_permute_ps::<0xff>(weights[set][i]),
+                    };
+                    lines[set][i] = v3.fma._mm256_fmadd_ps(weight, coefficients, lines[set][i]);
+                }
             }
         }
         let mut columns = [[zero; COLUMNS]; SETS];
