@@ -70,7 +70,7 @@ impl Places {
 impl Grid {
     /// Index of the first coefficient of the stencil between the pixel `(column, row)` and the next ones.
     #[inline(always)]
-    fn first(self, column: isize, row: isize) -> usize {
+    pub(crate) fn first(self, column: isize, row: isize) -> usize {
         let margin = (PADDING + 1 - self.half) as isize;
         ((row + margin) * self.stride as isize + column + margin) as usize
     }

@@ -1,6 +1,8 @@
 //! Reading an image at many points: block by block, one step at a time over the whole block, with the best instructions that
 //! the processor has.
 
+use std::hint::black_box;
+
 use pulp::Simd;
 
 use crate::coefficients::Coefficients;
@@ -128,11 +130,33 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         let fits = |origin: isize, [low, high]: [f32; 2], size: usize| {
             origin as f64 + f64::from(low) >= -0.5 && origin as f64 + f64::from(high) <= size as f64 - 0.5
         };
-        fits(origin[0], extent(self.summation, u), self.grid.width)
-            && fits(origin[1], extent(self.summation, v), self.grid.height)
+        let extents = [extent(self.summation, u), extent(self.summation, v)];
+        let inside = fits(origin[0], extents[0], self.grid.width) && fits(origin[1], extents[1], self.grid.height);
+        if inside {
+            self.touch(origin, extents);
+        }
+        inside
+    }
+
+    /// Reads a number of every cache line that the points will read, at once: one by one, each would be waited for.
+    #[inline(always)]
+    fn touch(&self, origin: [isize; 2], [u, v]: [[f32; 2]; 2]) {
+        let first = self.grid.first(origin[0] + u[0].floor() as isize, origin[1] + v[0].floor() as isize);
+        let (columns, rows) = ((u[1] - u[0]) as usize + TAPS, (v[1] - v[0]) as usize + TAPS);
+        let mut sum = 0;
+        for row in self.data[first..].chunks(self.grid.stride).take(rows) {
+            let row = &row[..row.len().min(columns)];
+            for line in row.chunks(LINE) {
+                sum |= line[0].to_bits();
+            }
+            sum |= row[row.len()-1].to_bits();
+        }
+        black_box(sum);
     }
 }
 
+/// Numbers in a cache line.
+const LINE: usize = 16;
 /// Vectors compared side by side, so that none waits for the one before.
 const CHAINS: usize = 4;
 
