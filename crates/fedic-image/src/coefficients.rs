@@ -5,12 +5,12 @@
 //! above and below its own rows, and so depends on no other band: the influence of a sample dies out geometrically, and
 //! beyond [`LineFilter::warm_up`] rows it is below rounding. No second image is needed, and each band stays in cache.
 
-use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::line_filter::LineFilter;
 use crate::mirror::{mirror, mirror_ends};
 use crate::prefilter::LANES;
+use crate::transposition::Transposition;
 use crate::view::ImageView;
 
 /// Rows and columns added on each side: enough for six taps half a pixel outside the outermost centres.
@@ -41,7 +41,7 @@ impl Coefficients {
     /// Those of the interpolant through the grey levels, filtered along each direction.
     pub(crate) fn filtered(view: ImageView<'_>, filter: &LineFilter<'_>) -> Self {
         let stride = view.width() + 2 * PADDING;
-        Self::by_bands(view, BAND, |v, band| run(FilterBand { view, filter, first: v, band, stride }))
+        Self::by_bands(view, BAND, |v, band| FilterBand { view, filter, first: v, band, stride }.run_best())
     }
 
     /// Columns including the margin.
@@ -83,13 +83,33 @@ struct FilterBand<'a> {
     stride: usize,
 }
 
-impl WithSimd for FilterBand<'_> {
+impl FilterBand<'_> {
+    /// Runs with the best instructions that the processor has.
+    fn run_best(self) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = pulp::x86::V3::try_new() {
+            return pulp::Simd::vectorize(v3, OnV3(self, v3));
+        }
+        self.run(pulp::Scalar);
+    }
+
+    #[inline(always)]
+    fn run(self, simd: impl Transposition) {
+        filter_columns(self.view, self.filter, self.first, self.band, self.stride);
+        filter_rows(simd, self.filter, self.band, self.stride);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+struct OnV3<'a>(FilterBand<'a>, pulp::x86::V3);
+
+#[cfg(target_arch = "x86_64")]
+impl pulp::WithSimd for OnV3<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        filter_columns(self.view, self.filter, self.first, self.band, self.stride);
-        filter_rows(self.filter, self.band, self.stride);
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.0.run(self.1);
     }
 }
 
@@ -107,11 +127,14 @@ fn filter_columns(view: ImageView<'_>, filter: &LineFilter<'_>, first: usize, ba
         let lanes = LANES.min(view.width() - u);
         for (index, sample) in samples.iter_mut().enumerate() {
             let v = mirror((rows.start + index) as isize - radius as isize, view.height());
-            view.read_segment(v, u, &mut sample[..lanes]);
+            match lanes {
+                LANES => view.read_segment(v, u, sample),
+                lanes => view.read_segment(v, u, &mut sample[..lanes]),
+            }
         }
         filter.apply(&samples, &mut lines);
         for (row, line) in band.chunks_exact_mut(stride).zip(&lines[above..]) {
-            row[PADDING + u..PADDING + u + lanes].copy_from_slice(&line[..lanes]);
+            copy(&mut row[PADDING + u..PADDING + u + lanes], line);
         }
         u += LANES;
     }
@@ -119,62 +142,32 @@ fn filter_columns(view: ImageView<'_>, filter: &LineFilter<'_>, first: usize, ba
 
 /// Filters `band` along its rows and mirrors their ends.
 #[inline(always)]
-fn filter_rows(filter: &LineFilter<'_>, band: &mut [f32], stride: usize) {
+fn filter_rows(simd: impl Transposition, filter: &LineFilter<'_>, band: &mut [f32], stride: usize) {
     let (width, radius) = (stride - 2 * PADDING, filter.radius());
     let mut samples = vec![[0.0; LANES]; width + 2 * radius];
     let mut lines = vec![[0.0; LANES]; width];
     for rows in band.chunks_mut(LANES * stride) {
         let count = rows.len() / stride;
-        for start in (0..width).step_by(LANES) {
-            let n = LANES.min(width - start);
-            let mut block = [[0.0; LANES]; LANES];
-            for lane in 0..count {
-                let first = lane * stride + PADDING + start;
-                block[lane][..n].copy_from_slice(&rows[first..first + n]);
-            }
-            let transposed = transpose(&block);
-            samples[radius + start..radius + start + n].copy_from_slice(&transposed[..n]);
-        }
+        simd.transpose([count, width], &rows[PADDING..], stride, samples[radius..].as_flattened_mut(), LANES);
         for distance in 1..=radius {
             samples[radius - distance] = samples[radius + mirror(-(distance as isize), width)];
             samples[radius + width - 1 + distance] = samples[radius + mirror((width - 1 + distance) as isize, width)];
         }
         filter.apply(&samples, &mut lines);
-        for start in (0..width).step_by(LANES) {
-            let n = LANES.min(width - start);
-            let mut block = [[0.0; LANES]; LANES];
-            block[..n].copy_from_slice(&lines[start..start + n]);
-            let transposed = transpose(&block);
-            for lane in 0..count {
-                let first = lane * stride + PADDING + start;
-                rows[first..first + n].copy_from_slice(&transposed[lane][..n]);
-            }
-        }
+        simd.transpose([width, count], lines.as_flattened(), LANES, &mut rows[PADDING..], stride);
         rows.chunks_exact_mut(stride).for_each(|row| mirror_ends(row, PADDING));
     }
 }
 
-/// Rows become columns. Neighbours are exchanged, then neighbouring pairs, fours and eights: whole vectors at a time.
+/// Copies as many numbers as fit: nearly always as many as there are lanes, which takes no call.
 #[inline(always)]
-fn transpose(block: &[[f32; LANES]; LANES]) -> [[f32; LANES]; LANES] {
-    let mut block = *block;
-    let mut width = LANES / 2;
-    while width > 0 {
-        for row in (0..LANES).filter(|row| row & width == 0) {
-            for column in (0..LANES).filter(|column| column & width == 0) {
-                let kept = block[row][column + width];
-                block[row][column + width] = block[row + width][column];
-                block[row + width][column] = kept;
-            }
-        }
-        width /= 2;
+fn copy(to: &mut [f32], from: &[f32]) {
+    if let (Ok(to), Some(from)) = (<&mut [f32; LANES]>::try_from(&mut *to), from.first_chunk()) {
+        *to = *from;
+        return;
     }
-    block
-}
-
-/// Runs a filter with the best instructions that the processor has.
-fn run<O: WithSimd>(operation: O) -> O::Output {
-    Arch::new().dispatch(operation)
+    let n = to.len().min(from.len());
+    to[..n].copy_from_slice(&from[..n]);
 }
 
 #[cfg(test)]
@@ -197,7 +190,7 @@ mod tests {
             let found = Coefficients::filtered(view, &filter);
             let mut whole = vec![0.0; found.stride * height];
             filter_columns(view, &filter, 0, &mut whole, found.stride);
-            filter_rows(&filter, &mut whole, found.stride);
+            filter_rows(pulp::Scalar, &filter, &mut whole, found.stride);
             for (found, expected) in found.data[PADDING * found.stride..].iter().zip(&whole) {
                 assert!((found - expected).abs() < 1e-3, "{found} {expected}");
             }

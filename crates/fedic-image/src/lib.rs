@@ -33,6 +33,7 @@ mod pyramid;
 mod reading;
 mod stencil;
 mod symmetric_filter;
+mod transposition;
 mod view;
 
 pub use differences::central_differences;

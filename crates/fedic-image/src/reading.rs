@@ -149,7 +149,7 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
             for line in row.chunks(LINE) {
                 sum |= line[0].to_bits();
             }
-            sum |= row[row.len()-1].to_bits();
+            sum |= row[row.len() - 1].to_bits();
         }
         black_box(sum);
     }

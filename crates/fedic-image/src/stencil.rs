@@ -135,7 +135,8 @@ pub(crate) mod avx2 {
         let stride = stencils.stride as u32 as usize;
         let mut lines = [[zero; 4]; SETS];
         for i in 0..4 {
-            let [low, high] = [k + i, k + i + 4].map(|k| &stencils.data[stencils.first[k]..][..offset::<TAPS>(stride) + 4]);
+            let [low, high] =
+                [k + i, k + i + 4].map(|k| &stencils.data[stencils.first[k]..][..offset::<TAPS>(stride) + 4]);
             let mut start = 0;
             for row in 0..TAPS {
                 let low = v3.avx._mm256_castps128_ps256(four(&low[start..]));
@@ -189,27 +190,6 @@ pub(crate) mod avx2 {
     }
 
     /// The stencil of point `k`, summed over its rows. One look at the bounds of the whole stencil spares those of its rows.
-    #[inline(always)]
-    fn narrow_line<const TAPS: usize, const SETS: usize>(
-        v3: V3,
-        stencils: Stencils<'_>,
-        rows: [&Weights<TAPS>; SETS],
-        k: usize,
-    ) -> [__m128; SETS] {
-        let stride = stencils.stride as u32 as usize;
-        let window = &stencils.data[stencils.first[k]..][..offset::<TAPS>(stride) + 4];
-        let mut line = [v3.sse._mm_setzero_ps(); SETS];
-        let mut start = 0;
-        for row in 0..TAPS {
-            let coefficients = four(&window[start..]);
-            start += stride;
-            for set in 0..SETS {
-                line[set] = v3.fma._mm_fmadd_ps(v3.sse._mm_set1_ps(rows[set][row][k]), coefficients, line[set]);
-            }
-        }
-        line
-    }
-
     #[inline(always)]
     fn wide_line<const TAPS: usize, const SETS: usize>(
         v3: V3,

@@ -196,14 +196,7 @@ impl Evaluator<'_> {
 
     /// Weighted sum and sum of squares of grey levels, counted from the pivot, at the points of a cell whose weights add up to
     /// `weight`.
-    fn moments(
-        &self,
-        own: &mut OwnTable,
-        cell: usize,
-        grey: &[f32],
-        weights: Option<&[f32]>,
-        weight: f64,
-    ) -> [f64; 2] {
+    fn moments(&self, own: &mut OwnTable, cell: usize, grey: &[f32], weights: Option<&[f32]>, weight: f64) -> [f64; 2] {
         let Some(&from) = grey.first() else { return [0.0; 2] };
         let mut sums = [0.0; 2];
         for first in (0..grey.len()).step_by(PART) {
