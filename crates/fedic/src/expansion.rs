@@ -23,7 +23,7 @@ const UP_TO_DEGREE: [usize; 4] = [2, 5, 9, 14];
 const X4: usize = 10;
 const Y4: usize = 14;
 /// Coefficients that add up to less than this, in pixels, are left out.
-const NEGLIGIBLE: f64 = 5e-7;
+const NEGLIGIBLE: f64 = 1e-6;
 /// Largest difference from the camera's Jacobian, relative: it only weighs residuals. For a camera of poor precision, this many
 /// times the precision.
 const JACOBIAN_TOLERANCE: f64 = 1e-4;

@@ -2,13 +2,20 @@
 
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::PADDING;
+use crate::simd::{largest, to_steps};
 
-/// One number per point, those of a cell side by side and padded with zeros: a point costs 12 bytes, or 16. The numbers of one kind
+/// Steps of the largest gradient of a cell.
+const STEPS: f32 = 32_000.0;
+
+/// One number per point, those of a cell side by side and padded with zeros: a point costs 8 bytes, or 12. The numbers of one kind
 /// lie together over all cells, so that memory is read straight on.
 #[derive(Debug, Clone)]
 pub(crate) struct Points {
     value: Vec<f32>,
-    gradient: [Vec<f32>; 2],
+    /// In whole steps: gradients only weigh residuals, and half a step is to them what 1e-5 is to one.
+    gradient: [Vec<i16>; 2],
+    /// The step of each cell, of which its largest gradient makes [`STEPS`].
+    steps: Vec<f32>,
     /// Of the cells whose weights vary.
     weights: Vec<f32>,
     cells: Vec<CellEntry>,
@@ -28,8 +35,9 @@ struct CellEntry {
 pub(crate) struct CellPoints<'a> {
     /// `f(P(X))`.
     pub(crate) value: &'a [f32],
-    /// `grad f(P(X))`, per pixel along `u` and `v`.
-    pub(crate) gradient: [&'a [f32]; 2],
+    /// `grad f(P(X))`, per pixel along `u` and `v`, in steps.
+    pub(crate) gradient: [&'a [i16]; 2],
+    pub(crate) step: f32,
     /// Weights, to be multiplied by `scale`; one each where there are none.
     pub(crate) weights: Option<&'a [f32]>,
     /// Area that a point of weight one stands for: in the mesh's unit squared, or one pixel.
@@ -39,7 +47,8 @@ pub(crate) struct CellPoints<'a> {
 /// The same, to be filled.
 pub(crate) struct CellPointsMut<'a> {
     pub(crate) value: &'a mut [f32],
-    pub(crate) gradient: [&'a mut [f32]; 2],
+    gradient: [&'a mut [i16]; 2],
+    step: &'a mut f32,
     pub(crate) weights: Option<&'a mut [f32]>,
 }
 
@@ -56,25 +65,25 @@ impl Points {
             first_weight += if varying { padded } else { 0 };
         }
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
-        Vec::<f32>::new().try_reserve_exact(3 * first + first_weight).ok()?;
-        let zeros = || vec![0.0; first];
-        Some(Self { value: zeros(), gradient: [zeros(), zeros()], weights: vec![0.0; first_weight], cells })
+        Vec::<f32>::new().try_reserve_exact(2 * first + first_weight).ok()?;
+        let [value, weights] = [first, first_weight].map(|count| vec![0.0; count]);
+        let gradient = [vec![0; first], vec![0; first]];
+        Some(Self { value, gradient, steps: vec![0.0; cells.len()], weights, cells })
     }
 
     /// The numbers of every cell, and what multiplies its weights.
     pub(crate) fn cells_mut(&mut self) -> impl Iterator<Item = (CellPointsMut<'_>, f64)> {
-        let [along_u, along_v] = &mut self.gradient;
-        let mut rows = [&mut self.value, along_u, along_v, &mut self.weights].map(Vec::as_mut_slice);
-        self.cells.iter().map(move |cell| {
-            let mut take = |row: usize, count: usize| {
-                let (taken, rest) = std::mem::take(&mut rows[row]).split_at_mut(count);
-                rows[row] = rest;
-                taken
+        let [along_u, along_v] = self.gradient.each_mut().map(Vec::as_mut_slice);
+        let (mut value, mut weights) = (self.value.as_mut_slice(), self.weights.as_mut_slice());
+        let mut gradient = [along_u, along_v];
+        self.cells.iter().zip(&mut self.steps).map(move |(cell, step)| {
+            let rows = CellPointsMut {
+                value: take(&mut value, cell.padded),
+                gradient: gradient.each_mut().map(|along| take(along, cell.padded)),
+                step,
+                weights: cell.varying.then(|| take(&mut weights, cell.padded)),
             };
-            let value = take(0, cell.padded);
-            let gradient = [take(1, cell.padded), take(2, cell.padded)];
-            let weights = cell.varying.then(|| take(3, cell.padded));
-            (CellPointsMut { value, gradient, weights }, cell.scale)
+            (rows, cell.scale)
         })
     }
 
@@ -86,15 +95,38 @@ impl Points {
         CellPoints {
             value: &self.value[points.clone()],
             gradient: [&along_u[points.clone()], &along_v[points]],
+            step: self.steps[cell],
             weights: varying.then(|| &self.weights[first_weight..first_weight + padded]),
             scale,
         }
     }
 }
 
+impl CellPointsMut<'_> {
+    /// Keeps the gradients of the points.
+    pub(crate) fn keep_gradient(&mut self, gradient: [&[f32]; 2]) {
+        *self.step = largest(gradient[0]).max(largest(gradient[1])) / STEPS;
+        for (kept, along) in self.gradient.iter_mut().zip(gradient) {
+            to_steps(along, *self.step, kept);
+        }
+    }
+}
+
 impl CellPoints<'_> {
+    /// Gradient at point `k`, per pixel along `u` and `v`.
+    pub(crate) fn gradient_at(&self, k: usize) -> [f32; 2] {
+        self.gradient.map(|along| self.step * f32::from(along[k]))
+    }
+
     /// Area that point `k` stands for.
     pub(crate) fn weight(&self, k: usize) -> f64 {
         self.scale * self.weights.map_or(1.0, |weights| f64::from(weights[k]))
     }
+}
+
+/// Takes the first `count` numbers off a row.
+fn take<'a, T>(row: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (taken, rest) = std::mem::take(row).split_at_mut(count);
+    *row = rest;
+    taken
 }

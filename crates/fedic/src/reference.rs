@@ -45,13 +45,19 @@ pub(crate) struct CellReading {
 
 impl ReferenceReader<'_> {
     /// Fills the rows of a cell, whose weights `scale` multiplies.
-    pub(crate) fn read_cell(&self, work: &mut Work, cell: usize, rows: CellPointsMut<'_>, scale: f64) -> CellReading {
+    pub(crate) fn read_cell(
+        &self,
+        work: &mut Work,
+        cell: usize,
+        mut rows: CellPointsMut<'_>,
+        scale: f64,
+    ) -> CellReading {
         let count = self.quadrature.range(cell).len();
-        let CellPointsMut { value, gradient: [along_u, along_v], mut weights } = rows;
         let view = CellView::new(self.mesh, cell, self.views, self.camera);
         work.resize(count);
-        self.read(work, cell, &view, value, [&mut *along_u, &mut *along_v]);
-        if let Some(weights) = &mut weights {
+        self.read(work, cell, &view, rows.value);
+        let CellPointsMut { value, weights, .. } = &mut rows;
+        if let Some(weights) = weights {
             self.weigh(cell, &mut weights[..count]);
         }
         let mut outside = false;
@@ -60,21 +66,21 @@ impl ReferenceReader<'_> {
                 continue;
             }
             outside = true;
-            (value[k], along_u[k], along_v[k]) = (0.0, 0.0, 0.0);
-            work.q.iter_mut().for_each(|q| q[k] = 0.0);
-            if let Some(weights) = &mut weights {
+            value[k] = 0.0;
+            work.gradient.iter_mut().chain(&mut work.q).for_each(|along| along[k] = 0.0);
+            if let Some(weights) = weights {
                 weights[k] = 0.0;
             }
         }
-        self.sum(work, cell, &view, value, [along_u, along_v], weights.as_deref(), scale, outside)
+        rows.keep_gradient(work.gradient.each_ref().map(Vec::as_slice));
+        self.sum(work, cell, &view, &rows, scale, outside)
     }
 
-    /// Grey levels and gradients at the points of a cell; where it has no expansion, `work.q` too.
-    fn read(&self, work: &mut Work, cell: usize, view: &CellView<'_>, value: &mut [f32], gradient: [&mut [f32]; 2]) {
+    /// Grey levels at the points of a cell and, in `work.gradient`, gradients; where it has no expansion, `work.q` too.
+    fn read(&self, work: &mut Work, cell: usize, view: &CellView<'_>, value: &mut [f32]) {
         let (cell_type, count) = (self.mesh.cell(cell).cell_type, self.quadrature.range(cell).len());
-        let [along_u, along_v] = gradient;
         let Some(expansion) = &view.expansion else {
-            let q = &mut work.q;
+            let (q, [along_u, along_v]) = (&mut work.q, &mut work.gradient);
             return view.for_each_batch(&mut work.batch, self.quadrature, cell, self.camera, |batch, points| {
                 let gradient = [&mut along_u[points.clone()], &mut along_v[points.clone()]];
                 batch.read(self.image, &mut value[points.clone()], gradient);
@@ -91,7 +97,7 @@ impl ReferenceReader<'_> {
             let [u, v] = work.pixel.each_mut().map(|row| &mut row[..rows.padded()]);
             positions(rows, expansion, u, v);
             let (u, v) = (&u[..part.len()], &v[..part.len()]);
-            let gradient = [&mut along_u[part.clone()], &mut along_v[part.clone()]];
+            let gradient = work.gradient.each_mut().map(|along| &mut along[part.clone()]);
             self.image.values_and_gradients_near(expansion.origin, u, v, &mut value[part], gradient);
         }
     }
@@ -113,19 +119,17 @@ impl ReferenceReader<'_> {
     }
 
     /// Hessian and moments of a cell.
-    #[allow(clippy::too_many_arguments)]
     fn sum(
         &self,
         work: &mut Work,
         cell: usize,
         view: &CellView<'_>,
-        value: &[f32],
-        gradient: [&[f32]; 2],
-        weights: Option<&[f32]>,
+        points: &CellPointsMut<'_>,
         scale: f64,
         outside: bool,
     ) -> CellReading {
         let cell_type = self.mesh.cell(cell).cell_type;
+        let (value, weights) = (&*points.value, points.weights.as_deref());
         let mut hessian = CellHessian::new(cell_type.num_nodes());
         let mut brightness = [[[0.0; COMPONENTS]; MAX_NODES]; 2];
         let from = value.first().copied().unwrap_or_default();
@@ -137,8 +141,8 @@ impl ReferenceReader<'_> {
             let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
             let [x, y] = work.q.each_mut().map(|q| &mut q[part.clone()]);
             if let Some(expansion) = &view.expansion {
-                x.copy_from_slice(&gradient[0][part.clone()]);
-                y.copy_from_slice(&gradient[1][part.clone()]);
+                x.copy_from_slice(&work.gradient[0][part.clone()]);
+                y.copy_from_slice(&work.gradient[1][part.clone()]);
                 pull_back(rows, &expansion.jacobian, [&mut *x, &mut *y]);
             }
             hessian.add(rows, [x, y], weights);

@@ -12,7 +12,7 @@ use crate::hessian::CellHessian;
 use crate::level::Level;
 use crate::point_table::PART;
 use crate::points::CellPoints;
-use crate::simd::{IDENTITY, Readings, moments, positions, pull_back, residual_sums};
+use crate::simd::{IDENTITY, Readings, from_steps, moments, positions, pull_back, residual_sums};
 use crate::system::System;
 use crate::work::{OwnTable, Work};
 use crate::{Brightness, COMPONENTS, Error, Monitor};
@@ -165,7 +165,7 @@ impl Evaluator<'_> {
                 self.deformed.values(&u[..part.len()], &v[..part.len()], &mut grey[part.clone()]);
                 for (k, point) in part.enumerate() {
                     for (c, q) in q.iter_mut().enumerate() {
-                        q[point] = batch.pull_back(c, k, points.gradient.map(|along| along[point])) as f32;
+                        q[point] = batch.pull_back(c, k, points.gradient_at(point)) as f32;
                     }
                 }
             });
@@ -240,11 +240,15 @@ impl Evaluator<'_> {
             let rows = own_table.rows(&level.quadrature, cell, cell_type, first);
             let part = first..first + rows.padded();
             let [x, y] = q.each_mut().map(|q| &mut q[part.clone()]);
-            let gradient = points.gradient.map(|along| &along[part.clone()]);
             let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
+            if view.expansion.is_some() {
+                let [along_u, along_v] = points.gradient.map(|along| &along[part.clone()]);
+                from_steps(along_u, points.step, x);
+                from_steps(along_v, points.step, y);
+            }
             let readings = Readings {
                 reference: &points.value[part.clone()],
-                gradient: if view.expansion.is_some() { gradient } else { [&*x, &*y] },
+                gradient: [&*x, &*y],
                 deformed: &grey[part],
                 weights,
                 jacobian: view.expansion.as_ref().map_or(&IDENTITY, |expansion| &expansion.jacobian),
@@ -255,8 +259,6 @@ impl Evaluator<'_> {
             result.sums.as_flattened_mut().iter_mut().zip(sums.as_flattened()).for_each(|(sum, part)| *sum += part);
             if let Some(hessian) = &mut result.hessian {
                 if let Some(expansion) = &view.expansion {
-                    x.copy_from_slice(gradient[0]);
-                    y.copy_from_slice(gradient[1]);
                     pull_back(rows, &expansion.jacobian, [&mut *x, &mut *y]);
                 }
                 hessian.add(rows, [x, y], weights);

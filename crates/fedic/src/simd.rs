@@ -233,6 +233,73 @@ impl<const NODES: usize> WithSimd for ResidualSums<'_, NODES> {
     }
 }
 
+/// The largest magnitude of some numbers.
+pub(crate) fn largest(numbers: &[f32]) -> f32 {
+    run(Largest(numbers))
+}
+
+struct Largest<'a>(&'a [f32]);
+
+impl WithSimd for Largest<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f32 {
+        let mut largest = [simd.splat_f32s(0.0); 2];
+        for (index, &vector) in S::as_simd_f32s(self.0).0.iter().enumerate() {
+            largest[index % 2] = simd.max_f32s(largest[index % 2], simd.abs_f32s(vector));
+        }
+        simd.reduce_max_f32s(simd.max_f32s(largest[0], largest[1]))
+    }
+}
+
+/// Rounds numbers to whole steps.
+pub(crate) fn to_steps(numbers: &[f32], step: f32, steps: &mut [i16]) {
+    run(ToSteps { numbers, step, steps });
+}
+
+struct ToSteps<'a> {
+    numbers: &'a [f32],
+    step: f32,
+    steps: &'a mut [i16],
+}
+
+impl WithSimd for ToSteps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        /// Added to a number below `2^22`, leaves it rounded to the nearest integer, in the low bits.
+        const ROUNDING: f32 = 12_582_912.0;
+        let per_step = if self.step > 0.0 { 1.0 / self.step } else { 0.0 };
+        for (steps, number) in self.steps.iter_mut().zip(self.numbers) {
+            *steps = (number * per_step + ROUNDING).to_bits().wrapping_sub(ROUNDING.to_bits()) as i16;
+        }
+    }
+}
+
+/// Numbers given in whole steps.
+pub(crate) fn from_steps(steps: &[i16], step: f32, numbers: &mut [f32]) {
+    run(FromSteps { steps, step, numbers });
+}
+
+struct FromSteps<'a> {
+    steps: &'a [i16],
+    step: f32,
+    numbers: &'a mut [f32],
+}
+
+impl WithSimd for FromSteps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (number, &steps) in self.numbers.iter_mut().zip(self.steps) {
+            *number = self.step * f32::from(steps);
+        }
+    }
+}
+
 /// Multiplies the gradient of an image by the transpose of the camera's Jacobian, in place: `q = J^T grad f`.
 pub(crate) fn pull_back(rows: Rows<'_>, jacobian: &[[f32; 3]; 4], gradient: [&mut [f32]; 2]) {
     run(PullBack { rows, jacobian, gradient });
@@ -412,11 +479,33 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_counted_from_the_pivot() {
-        let (grey, weights) = (vec![80.0_f32; 64], vec![0.7_f32; 64]);
-        let [sum, squares] = moments(&grey, &weights, 131.25);
-        let weight = 64.0 * f64::from(0.7_f32);
-        let variance: f64 = squares / weight - (sum / weight).powi(2);
-        assert!((sum / weight + 51.25).abs() < 1e-12 && variance.abs() < 1e-10, "{sum} {squares}");
+    fn steps_are_rounded_to_the_nearest() {
+        let numbers = row(7, 100, 112);
+        let (mut steps, mut restored) = (vec![0; 112], vec![0.0; 112]);
+        let step = 2.0 / 32_000.0;
+        to_steps(&numbers, step, &mut steps);
+        from_steps(&steps, step, &mut restored);
+        for (number, restored) in numbers.iter().zip(&restored) {
+            assert!((number - restored).abs() <= 0.501 * step, "{number} {restored}");
+        }
+        assert_eq!(largest(&numbers), numbers.iter().fold(0.0, |largest, number| number.abs().max(largest)));
+        to_steps(&[0.0; 112], 0.0, &mut steps);
+        assert!(steps.iter().all(|&steps| steps == 0));
+    }
+
+    #[test]
+    fn moments_are_counted_from_a_level() {
+        let (flat, weights) = (vec![80.0_f32; 64], vec![0.7_f32; 64]);
+        assert_eq!(moments(&flat, &weights, 80.0), [0.0; 2]);
+        let (grey, weights) = (row(8, 600, 608), row(9, 600, 608));
+        let mut expected = [0.0; 2];
+        for (grey, weight) in grey.iter().zip(&weights) {
+            let counted = f64::from(*grey) - 0.5;
+            expected[0] += f64::from(*weight) * counted;
+            expected[1] += f64::from(*weight) * counted * counted;
+        }
+        for (found, expected) in moments(&grey, &weights, 0.5).into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+        }
     }
 }

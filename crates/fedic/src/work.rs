@@ -13,8 +13,9 @@ pub(crate) struct Work {
     pub(crate) own_table: OwnTable,
     /// Pixel coordinates of the points of a part, from the origin of the cell's expansion.
     pub(crate) pixel: [Vec<f32>; 2],
-    /// Of all points of a cell: grey levels, gradients pulled back, weights.
+    /// Of all points of a cell: grey levels, gradients, gradients pulled back, weights.
     pub(crate) grey: Vec<f32>,
+    pub(crate) gradient: [Vec<f32>; 2],
     pub(crate) q: [Vec<f32>; COMPONENTS],
     pub(crate) weights: Vec<f32>,
 }
@@ -32,6 +33,7 @@ impl Work {
             own_table: OwnTable { coordinates: [vec![0.0; PART], vec![0.0; PART]], table: PointTable::default() },
             pixel: [vec![0.0; PART], vec![0.0; PART]],
             grey: Vec::new(),
+            gradient: [Vec::new(), Vec::new()],
             q: [Vec::new(), Vec::new()],
             weights: Vec::new(),
         }
@@ -40,7 +42,7 @@ impl Work {
     /// Makes room for the `count` points of a cell, and clears what lies between its last point and the end of the rows.
     pub(crate) fn resize(&mut self, count: usize) {
         let padded = count.next_multiple_of(PADDING);
-        for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.q) {
+        for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
             row.resize(padded, 0.0);
             row[count..].fill(0.0);
         }
