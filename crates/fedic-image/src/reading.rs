@@ -75,10 +75,13 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
     fn run(mut self) {
         let inside = self.all_inside();
         let mut places = Places::new();
-        let mut weights = [[[0.0; BLOCK]; TAPS]; 4];
+        let (mut weights, mut slopes) = ([[[0.0; BLOCK]; TAPS]; 2], [[[0.0; BLOCK]; TAPS]; 2]);
         let mut readings = [[0.0; BLOCK]; READINGS];
-        for start in (0..self.out[0].len()).step_by(BLOCK) {
-            let end = self.out[0].len().min(start + BLOCK);
+        let count = self.out[0].len();
+        for start in (0..count).step_by(BLOCK) {
+            // The last block is a whole one too, where there are as many points: some are read twice.
+            let start = start.min(count.saturating_sub(BLOCK));
+            let end = count.min(start + BLOCK);
             match self.points {
                 Points::Absolute(u, v) => places.locate(self.grid, &u[start..end], &v[start..end]),
                 Points::Near(origin, u, v) if inside => match (u[start..].first_chunk(), v[start..].first_chunk()) {
@@ -95,11 +98,11 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
                     places.locate(self.grid, &absolute_u, &absolute_v);
                 }
             }
-            self.read_block(&places, &mut weights, &mut readings);
+            self.read_block(&places, &mut weights, &mut slopes, &mut readings);
             for (out, reading) in self.out.iter_mut().zip(&readings) {
                 match out[start..].first_chunk_mut() {
                     Some(out) => *out = *reading,
-                    None => out[start..end].copy_from_slice(&reading[..end - start]),
+                    None => copy_some(&mut out[start..end], reading),
                 }
             }
         }
@@ -107,10 +110,15 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
 
     /// Reads the image at the points located at `places`.
     #[inline(always)]
-    fn read_block(&self, places: &Places, weights: &mut [[Lane; TAPS]; 4], readings: &mut [Lane; READINGS]) {
+    fn read_block(
+        &self,
+        places: &Places,
+        [columns, rows]: &mut [[Lane; TAPS]; 2],
+        [column_slopes, row_slopes]: &mut [[Lane; TAPS]; 2],
+        readings: &mut [Lane; READINGS],
+    ) {
         let stencils = Stencils { data: self.data, stride: self.grid.stride, first: &places.first };
         let [u, v] = &places.middle;
-        let [columns, rows, column_slopes, row_slopes] = weights;
         weigh::<S, HALF>(self.kernel, u, columns);
         weigh::<S, HALF>(self.kernel, v, rows);
         if READINGS == 1 {
@@ -186,6 +194,13 @@ fn extent<S: Simd>(simd: S, numbers: &[f32]) -> [f32; 2] {
         zero += 0.0 * number;
     }
     if zero == 0.0 { [low, high] } else { [f32::NAN; 2] }
+}
+
+/// Copies less than a block. Apart, so that the copy of a whole one needs no call.
+#[cold]
+#[inline(never)]
+fn copy_some(out: &mut [f32], reading: &Lane) {
+    out.copy_from_slice(&reading[..out.len()]);
 }
 
 /// The numbers of a block, the first of them repeated after the last.

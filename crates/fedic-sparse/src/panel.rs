@@ -4,6 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, Par};
+use pulp::{Arch, Simd, WithSimd};
 
 /// A number as it is stored; all arithmetic is in double precision.
 pub(crate) trait Stored: Copy + Default + Send + Sync {
@@ -60,6 +61,7 @@ pub(crate) fn store<T: Stored>(columns: &[f64], rows: usize, mut stored: &mut [T
 }
 
 impl<T: Stored> Panel<'_, T> {
+    #[inline(always)]
     fn column(&self, j: usize) -> &[T] {
         let start = column_start(self.rows, j);
         &self.values[start..start + self.rows - j]
@@ -99,14 +101,7 @@ impl<T: Stored> Panel<'_, T> {
     /// Solves for the columns and subtracts what they add to the rows below.
     pub(crate) fn eliminate(&self, work: &mut [f64], sides: usize) {
         if sides == 1 {
-            for j in 0..self.columns {
-                let column = self.column(j);
-                let (x, below) = work[j..].split_at_mut(1);
-                x[0] /= column[0].load();
-                let x = x[0];
-                below.iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= l.load() * x);
-            }
-            return;
+            return Arch::new().dispatch(Eliminate { panel: self, work });
         }
         let dense = self.dense();
         let (square, lower) = dense.as_ref().split_at_row(self.columns);
@@ -119,12 +114,7 @@ impl<T: Stored> Panel<'_, T> {
     /// Solves for the columns, the rows below known.
     pub(crate) fn substitute(&self, work: &mut [f64], sides: usize) {
         if sides == 1 {
-            for j in (0..self.columns).rev() {
-                let column = self.column(j);
-                let (x, below) = work[j..].split_at_mut(1);
-                x[0] = (x[0] - dot(&column[1..], below)) / column[0].load();
-            }
-            return;
+            return Arch::new().dispatch(Substitute { panel: self, work });
         }
         let dense = self.dense();
         let (square, lower) = dense.as_ref().split_at_row(self.columns);
@@ -146,7 +136,46 @@ impl<T: Stored> Panel<'_, T> {
     }
 }
 
+struct Eliminate<'a, T> {
+    panel: &'a Panel<'a, T>,
+    work: &'a mut [f64],
+}
+
+impl<T: Stored> WithSimd for Eliminate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for j in 0..self.panel.columns {
+            let column = self.panel.column(j);
+            let (x, below) = self.work[j..].split_at_mut(1);
+            x[0] /= column[0].load();
+            let x = x[0];
+            below.iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= l.load() * x);
+        }
+    }
+}
+
+struct Substitute<'a, T> {
+    panel: &'a Panel<'a, T>,
+    work: &'a mut [f64],
+}
+
+impl<T: Stored> WithSimd for Substitute<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for j in (0..self.panel.columns).rev() {
+            let column = self.panel.column(j);
+            let (x, below) = self.work[j..].split_at_mut(1);
+            x[0] = (x[0] - dot(&column[1..], below)) / column[0].load();
+        }
+    }
+}
+
 /// Scalar product, in as many parts as a processor adds side by side.
+#[inline(always)]
 fn dot<T: Stored>(a: &[T], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();

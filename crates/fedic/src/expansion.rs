@@ -232,7 +232,7 @@ impl Fit {
                 data[c][2 * n + a] = x * tangents[1][0] + y * tangents[1][1] + z * tangents[1][2];
             }
         }
-        data.map(|data| combination(&data[..=3 * n], &self.pixel))
+        [combination(&data[0][..=3 * n], &self.pixel), combination(&data[1][..=3 * n], &self.pixel)]
     }
 
     fn expand_jacobian(&self, nodes: &[&NodeView]) -> [[f64; 3]; 4] {
