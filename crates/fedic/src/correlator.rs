@@ -7,6 +7,7 @@ use fedic_image::{ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::alignment::align;
 use crate::gauss_newton::Iterations;
 use crate::level::{Level, LevelSettings};
 use crate::pyramid::Pyramid;
@@ -215,7 +216,12 @@ impl Correlator {
             max_iterations: self.options.max_iterations,
             largest_correction: self.size[0].max(self.size[1]) as f64,
         };
-        let outcome = iterations.run(&self.evaluator(&interpolator), first, &mut history, monitor)?;
+        let evaluator = self.evaluator(&interpolator);
+        let first = match start {
+            Start::Zero | Start::Field(_) => align(&evaluator, first, monitor)?,
+            Start::Pyramid(_) => first,
+        };
+        let outcome = iterations.run(&evaluator, first, &mut history, monitor)?;
         let pixel_displacement: Vec<[f64; 2]> = self
             .system
             .mesh

@@ -100,7 +100,7 @@ impl Iterations {
 }
 
 /// Length in pixels of the correction of each node.
-fn corrections(views: &[NodeView], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
+pub(crate) fn corrections(views: &[NodeView], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
     let length = |(view, step): (&NodeView, &[f64; COMPONENTS])| {
         let [du, dv] = view.jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
         du.hypot(dv)

@@ -13,6 +13,7 @@ use crate::cell_view::node_views;
 use crate::points::Points;
 use crate::reference::{ReferenceReader, typical_level, weighing};
 use crate::regularization::penalty_factor;
+use crate::sample::spread_cells;
 use crate::system::System;
 use crate::{Error, Monitor, Quadrature, Sampler, SolveError};
 
@@ -23,6 +24,8 @@ pub(crate) struct Level {
     pub(crate) camera: Arc<dyn Camera>,
     pub(crate) quadrature: CellQuadrature,
     pub(crate) points: Points,
+    /// Cells that tell of the whole mesh.
+    pub(crate) sample: Vec<usize>,
     /// Grey level from which moments are counted.
     pub(crate) pivot: f32,
     /// Moments of the reference image over each cell.
@@ -104,6 +107,7 @@ impl Level {
             },
         )?;
         let pivot = reader.pivot;
+        let sample = spread_cells(mesh, &views);
         // The largest of what is held: gone before the factorisation asks for memory.
         drop(reference);
         if settings.whole_mesh && !outside.is_empty() {
@@ -123,7 +127,7 @@ impl Level {
             factor
         });
         let factor = system.factorize(&hessian, settings.compact, &quadrature)?;
-        Ok(Self { camera, quadrature, points, pivot, moments: cell_moments, brightness, factor, penalty })
+        Ok(Self { camera, quadrature, points, sample, pivot, moments: cell_moments, brightness, factor, penalty })
     }
 
     /// Number of quadrature points.

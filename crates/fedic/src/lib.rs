@@ -36,6 +36,7 @@
 //! # Ok::<(), fedic::Error>(())
 //! ```
 
+mod alignment;
 mod batch;
 mod brightness;
 mod cell_loop;
@@ -57,6 +58,7 @@ mod reference;
 mod regularization;
 mod residual;
 mod residual_map;
+mod sample;
 mod sampler;
 mod self_calibration;
 mod simd;

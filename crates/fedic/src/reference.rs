@@ -133,7 +133,6 @@ impl ReferenceReader<'_> {
         let mut hessian = CellHessian::new(cell_type.num_nodes());
         let mut brightness = [[[0.0; COMPONENTS]; MAX_NODES]; 2];
         let from = value.first().copied().unwrap_or_default();
-        let mut weight = 0.0;
         let mut levels = [0.0; 2];
         for first in (0..value.len()).step_by(PART) {
             let rows = work.own_table.rows(self.quadrature, cell, cell_type, first);
@@ -159,9 +158,10 @@ impl ReferenceReader<'_> {
                 let (part, _) = residual_sums(rows, readings);
                 sums.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(sum, p)| *sum += scale * p);
             }
-            weight += weights.iter().map(|&weight| f64::from(weight)).sum::<f64>();
             levels.iter_mut().zip(moments(value, weights, from)).for_each(|(sum, part)| *sum += part);
         }
+        let count = self.quadrature.range(cell).len() as f64;
+        let weight = weights.map_or(count, |weights| weights.iter().copied().map(f64::from).sum());
         let [f, ff] = counted_from(f64::from(self.pivot), levels, weight, f64::from(from));
         let [weight, f, ff] = [weight, f, ff].map(|sum| scale * sum);
         let moments = Moments { weight, f, ff, ..Moments::default() };

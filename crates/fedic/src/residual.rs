@@ -17,9 +17,6 @@ use crate::system::System;
 use crate::work::{OwnTable, Work};
 use crate::{Brightness, COMPONENTS, Error, Monitor};
 
-/// About how many cells tell the brightness before the first pass.
-const SAMPLE: usize = 256;
-
 /// State of the correlation at a displacement.
 #[derive(Debug, Clone)]
 pub(crate) struct Evaluation {
@@ -113,7 +110,7 @@ impl Evaluator<'_> {
         let views = node_views(mesh, self.level.camera.as_ref(), Some(displacement));
         let mut moments = Moments::default();
         for_each_cell(
-            (0..mesh.num_cells()).step_by(mesh.num_cells().div_ceil(SAMPLE)),
+            self.level.sample.iter().copied(),
             monitor,
             |work, _, cell| {
                 let view = CellView::new(mesh, cell, &views, self.level.camera.as_ref());
@@ -125,7 +122,7 @@ impl Evaluator<'_> {
         Ok(self.correction(&moments))
     }
 
-    fn correction(&self, moments: &Moments) -> Correction {
+    pub(crate) fn correction(&self, moments: &Moments) -> Correction {
         match self.brightness {
             Brightness::Global => moments.correction(),
             Brightness::None | Brightness::Element => Correction::NONE,
@@ -209,7 +206,7 @@ impl Evaluator<'_> {
         counted_from(f64::from(self.level.pivot), sums, weight, f64::from(from))
     }
 
-    fn evaluate_cell(
+    pub(crate) fn evaluate_cell(
         &self,
         work: &mut Work,
         cell: usize,
@@ -274,13 +271,13 @@ struct CellReading {
     outside: bool,
 }
 
-struct CellResult {
+pub(crate) struct CellResult {
     /// Sums of `w N q r`, by node.
-    sums: [[f64; COMPONENTS]; MAX_NODES],
+    pub(crate) sums: [[f64; COMPONENTS]; MAX_NODES],
     /// Sum of `w r^2`.
-    squares: f64,
-    moments: Moments,
-    hessian: Option<CellHessian>,
+    pub(crate) squares: f64,
+    pub(crate) moments: Moments,
+    pub(crate) hessian: Option<CellHessian>,
     outside: bool,
 }
 
