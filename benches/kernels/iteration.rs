@@ -2,7 +2,7 @@
 //! radial coefficient.
 //!
 //! `correlate/1` is a whole measurement of one iteration: coefficients of the deformed image, residual, right-hand side,
-//! solution. In `correlate/5` the coefficients are shared by five iterations. `stream` only reads what an iteration reads from
+//! solution. In `correlate/5` the coefficients are shared by five iterations, and a start so near is left as it is. `stream` only reads what an iteration reads from
 //! memory, and nothing else: no iteration can be faster.
 
 #![allow(clippy::unwrap_used, missing_docs)]
@@ -17,8 +17,8 @@ use rayon::prelude::*;
 
 /// How far the texture moved, in pixels.
 const SHIFT: [f64; 2] = [1.3, -0.7];
-/// What is kept of a quadrature point: value, gradient and weight of the reference image.
-const FLOATS_PER_POINT: usize = 4;
+/// What is kept of a quadrature point: grey level and, in half as many bytes each, gradient of the reference image.
+const FLOATS_PER_POINT: usize = 2;
 /// Numbers read by one task of the stream.
 const CHUNK: usize = 1 << 14;
 

@@ -1,58 +1,106 @@
 """Time the next frames of a series with fedic: python series_fedic.py REF DEF X0 Y0 X1 Y1 SIZE THREADS OUT [cubic].
 
-The reference is prepared first, untimed; every frame reads the deformed image again and starts from zero. A frame is
-measured once more from its own solution, in one iteration: what the full measurement took beyond it is the time of the
-iterations beyond the first. The callback ``progress`` tells no such time: it comes in batches every 50 ms.
+The reference is prepared first, untimed; every frame reads the deformed image again and starts from zero. An iteration
+is timed apart, from the solution on: what several of them take beyond a single one. Outside of the iterations are files
+and what a single iteration takes beyond its own time: the coefficients of the image, the start, the result.
 """
+
+from __future__ import annotations
 
 import statistics
 import sys
 import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
 
 from fedic_settings import settings
-from measure import arguments, report
+from measure import Arguments, arguments, report
 
-_FRAMES = 5
+if TYPE_CHECKING:
+    import fedic
+
+_REPETITIONS = 5
 _SECONDS = 20.0
-"""No frame is begun after this time; two are measured at least."""
+"""Nothing is repeated any more after this time, but once."""
+_ITERATIONS = 6
+
+
+class Series(NamedTuple):
+    """Median seconds of a frame and of the measurement in it, and its result."""
+
+    frame: float
+    measurement: float
+    result: fedic.Result
 
 
 def main() -> None:
     """Print medians: of a frame, from file to stored result, and of an iteration; and what is outside of these."""
     given = arguments()
+    series = measured_series(given)
+    if not series.result.converged:
+        sys.exit(f"not converged after {series.result.iterations} iterations")
+    single, several = (seconds_of_iterations(given, number, series.result) for number in (1, _ITERATIONS))
+    iteration = (several - single) / (_ITERATIONS - 1)
+    report(
+        frame=series.frame,
+        iteration=iteration,
+        outside=series.frame - series.measurement + single - iteration,
+        iterations=series.result.iterations,
+        points=series.result.num_points,
+    )
+
+
+def prepared(given: Arguments, **options: float) -> fedic.Correlator:
+    """Prepare the reference."""
     import fedic
 
     mesh = fedic.rectangle_mesh(given.bounds, size=given.size)
-    correlator = fedic.Correlator(fedic.read_image(given.reference, mapped=True), mesh, **settings(given))
-    frames, full, single = [], [], []
-    begin = time.perf_counter()
-    while len(frames) < 2 or (len(frames) < _FRAMES and time.perf_counter() - begin < _SECONDS):
+    return fedic.Correlator(fedic.read_image(given.reference, mapped=True), mesh, **settings(given), **options)
+
+
+def measured_series(given: Arguments) -> Series:
+    """Time frames from zero."""
+    import fedic
+
+    correlator = prepared(given)
+
+    def frame() -> tuple[float, float]:
         start = time.perf_counter()
         deformed = fedic.read_image(given.deformed, mapped=True)
         read = time.perf_counter()
         result = correlator.correlate(deformed)
         correlated = time.perf_counter()
         result.write(given.out.with_suffix(".npz"))
-        frames.append(time.perf_counter() - start)
-        full.append(correlated - read)
+        return time.perf_counter() - start, correlated - read
 
+    seconds, measurement = _medians(frame)
+    return Series(seconds, measurement, correlator.correlate(fedic.read_image(given.deformed, mapped=True)))
+
+
+def seconds_of_iterations(given: Arguments, number: int, solution: fedic.Result) -> float:
+    """Time a measurement of so many iterations from its own solution on."""
+    import fedic
+
+    # No correction is as small as this tolerance.
+    correlator = prepared(given, max_iterations=number, tolerance=1e-12)
+    deformed = fedic.read_image(given.deformed, mapped=True)
+
+    def iterate() -> tuple[float]:
         start = time.perf_counter()
-        again = correlator.correlate(deformed, initial=result.displacement)
-        single.append(time.perf_counter() - start)
-        if not (result.converged and again.converged and again.iterations < result.iterations):
-            sys.exit(f"{result.iterations} iterations from zero, {again.iterations} from the solution")
+        correlator.correlate(deformed, initial=solution.displacement)
+        return (time.perf_counter() - start,)
 
-    more = result.iterations - again.iterations
-    iteration = statistics.median(long - short for long, short in zip(full, single, strict=True)) / more
-    frame = statistics.median(frames)
-    report(
-        frames=len(frames),
-        frame=frame,
-        iteration=iteration,
-        outside=frame - result.iterations * iteration,
-        iterations=result.iterations,
-        points=result.num_points,
-    )
+    return _medians(iterate)[0]
+
+
+def _medians(measure: Callable[[], tuple[float, ...]]) -> list[float]:
+    """Return the medians of what is measured a few times, after a first time that does not count."""
+    measure()
+    begin = time.perf_counter()
+    found = []
+    while not found or (len(found) < _REPETITIONS and time.perf_counter() - begin < _SECONDS):
+        found.append(measure())
+    return [statistics.median(column) for column in zip(*found, strict=True)]
 
 
 if __name__ == "__main__":

@@ -26,7 +26,6 @@ from fedic._core import (
     __version__,
     rectangle_mesh,
 )
-from fedic.camera_files import read_camera, write_camera
 from fedic.correlation import Correlator, correlate
 from fedic.errors import CalibrationWarning, CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
 from fedic.gmsh_meshing import unstructured_mesh
@@ -37,6 +36,7 @@ from fedic.result import Iteration, Result
 
 if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
+    from fedic.camera_files import read_camera, write_camera
     from fedic.registration import Registration, boundary_features, register
     from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
 
@@ -81,6 +81,8 @@ __all__ = [
 _WHEN_ASKED_FOR = {
     "Calibration": "calibration",
     "calibrate": "calibration",
+    "read_camera": "camera_files",
+    "write_camera": "camera_files",
     "Registration": "registration",
     "boundary_features": "registration",
     "register": "registration",
