@@ -6,6 +6,7 @@ held before.
 """
 
 import argparse
+import math
 import os
 import subprocess
 import sys
@@ -64,7 +65,9 @@ def run(command: list[Any], threads: int) -> Row:
     )
     if found.returncode != 0:
         return {"absent": (found.stderr.splitlines() or ["failed"])[-1]}
-    return {"threads": threads, **read_report(found.stdout)}
+    # A figure that CHOLMOD does not give is not a number.
+    said = {name: math.nan if value is None else value for name, value in read_report(found.stdout).items()}
+    return {"threads": threads, **said}
 
 
 def shown(rows: list[tuple[str, str, Row]]) -> Table:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import fedic
 
 _REPETITIONS = 5
-_SECONDS = 20.0
+_SECONDS = 5.0
 """Nothing is repeated any more after this time, but once."""
 _ITERATIONS = 6
 

@@ -51,7 +51,8 @@ class Correlator:
         Whether the correlation matrix is kept or rebuilt at each iteration.
     initial : None, "pyramid", "fft" or array_like of shape (n, 2)
         The start: zero; coarse-to-fine images; one whole-pixel motion found over the whole image, for large motions;
-        or given nodal displacements in the mesh's unit.
+        or given nodal displacements in the mesh's unit. On a mesh of a thousand cells or more all but coarse-to-fine
+        images are followed by a smooth field fitted to a few hundred cells, where that lowers their residual.
     regularization : float or None
         Wavelength, in pixels of the reference image, below which the field is smoothed; None for no smoothing.
     tolerance : float

@@ -139,18 +139,24 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
             origin as f64 + f64::from(low) >= -0.5 && origin as f64 + f64::from(high) <= size as f64 - 0.5
         };
         let extents = [extent(self.summation, u), extent(self.summation, v)];
-        let inside = fits(origin[0], extents[0], self.grid.width) && fits(origin[1], extents[1], self.grid.height);
+        let inside = !u.is_empty()
+            && fits(origin[0], extents[0], self.grid.width)
+            && fits(origin[1], extents[1], self.grid.height);
         if inside {
-            self.touch(origin, extents);
+            self.touch(origin, extents, u.len());
         }
         inside
     }
 
-    /// Reads a number of every cache line that the points will read, at once: one by one, each would be waited for.
+    /// Reads a number of every cache line that the points will read, at once: one by one, each would be waited for. Not where
+    /// points are so far apart that most lines are none of theirs.
     #[inline(always)]
-    fn touch(&self, origin: [isize; 2], [u, v]: [[f32; 2]; 2]) {
-        let first = self.grid.first(origin[0] + u[0].floor() as isize, origin[1] + v[0].floor() as isize);
+    fn touch(&self, origin: [isize; 2], [u, v]: [[f32; 2]; 2], count: usize) {
         let (columns, rows) = ((u[1] - u[0]) as usize + TAPS, (v[1] - v[0]) as usize + TAPS);
+        if columns * rows > SPARSE * count {
+            return;
+        }
+        let first = self.grid.first(origin[0] + u[0].floor() as isize, origin[1] + v[0].floor() as isize);
         let mut sum = 0;
         for row in self.data[first..].chunks(self.grid.stride).take(rows) {
             let row = &row[..row.len().min(columns)];
@@ -165,6 +171,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
 
 /// Numbers in a cache line.
 const LINE: usize = 16;
+/// Pixels per point from which on points are far apart.
+const SPARSE: usize = 16;
 /// Vectors compared side by side, so that none waits for the one before.
 const CHAINS: usize = 4;
 
@@ -247,6 +255,14 @@ mod tests {
         let (data, out) = (coefficients.as_slice(), plain.each_mut().map(Vec::as_mut_slice));
         Reading::<_, HALF, TAPS, 3> { data, grid, kernel, points, out, summation: pulp::Scalar }.run();
         [best, plain]
+    }
+
+    #[test]
+    fn no_point_is_read_without_a_murmur() {
+        for points in [Points::Near([30, 25], &[], &[]), Points::Absolute(&[], &[])] {
+            let [best, _] = both::<2, 4>(&BSPLINE3, points);
+            assert!(best.iter().all(Vec::is_empty));
+        }
     }
 
     proptest! {

@@ -20,7 +20,8 @@ use crate::{
 /// From this number of unknowns on the factor is worth making small: it takes 60 MB then.
 const COMPACT_DOFS: usize = 100_000;
 
-/// Where the iterations start.
+/// Where the iterations start. `Zero` and `Field` are improved first where the mesh has many cells: by a field of cubic
+/// polynomials fitted to a few hundred of them, if that lowers the residual there.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
     /// No displacement.
