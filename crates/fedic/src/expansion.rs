@@ -81,8 +81,9 @@ struct Fit {
     /// Derivatives of the shape functions at each node.
     gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
     centre_shape: [f64; MAX_NODES],
-    /// Where the polynomial is compared with the camera: a smooth one at the first place, one made of pieces at all of them.
-    checks: Vec<Check>,
+    /// Where the polynomial is compared with a smooth camera, and with one made of pieces.
+    smooth_check: Vec<Check>,
+    piece_checks: Vec<Check>,
 }
 
 /// A point of the reference cell: its monomials and shape functions.
@@ -124,7 +125,8 @@ impl Fit {
             jacobian: [[0.0; 3]; MAX_NODES],
             gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
             centre_shape: [0.0; MAX_NODES],
-            checks: Vec::new(),
+            smooth_check: Vec::new(),
+            piece_checks: Vec::new(),
         };
         let svd = known.svd(true, true);
         for datum in 0..=3 * n {
@@ -155,15 +157,15 @@ impl Fit {
                 fit.shape[node][m] = coefficient;
             }
         }
-        let checks: &[[f64; 2]] = match cell_type.is_triangle() {
-            true => &[[0.5, 0.25], [0.25, 0.5], [0.25, 0.25]],
-            false => {
-                &[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5], [0.0, 0.5], [0.0, -0.5], [0.5, 0.0], [-0.5, 0.0]]
-            }
+        // Half way from the centre to the edges of a quad the errors of a piece are as large as anywhere.
+        let (smooth, pieces): ([f64; 2], &[[f64; 2]]) = match cell_type.is_triangle() {
+            true => ([0.5, 0.25], &[[0.5, 0.25], [0.25, 0.5], [0.25, 0.25]]),
+            false => ([0.5, 0.5], &[[0.0, 0.5], [0.0, -0.5], [0.5, 0.0], [-0.5, 0.0]]),
         };
+        let check = |&at: &[f64; 2]| Check { monomials: monomials(at), shape: shape_values(cell_type, at) };
         fit.centre_shape = shape_at_centre;
-        fit.checks =
-            checks.iter().map(|&at| Check { monomials: monomials(at), shape: shape_values(cell_type, at) }).collect();
+        fit.smooth_check = vec![check(&smooth)];
+        fit.piece_checks = pieces.iter().map(check).collect();
         fit
     }
 }
@@ -258,7 +260,7 @@ impl Fit {
     ) -> bool {
         let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
         let jacobian_tolerance = size * JACOBIAN_TOLERANCE.max(JACOBIAN_PER_PRECISION * camera.precision());
-        let checks = if camera.is_in_pieces() { &self.checks[..] } else { &self.checks[..1] };
+        let checks = if camera.is_in_pieces() { &self.piece_checks } else { &self.smooth_check };
         checks.iter().all(|check| {
             let (seen, true_jacobian) = camera.project_with_jacobian(interpolate(&check.shape, nodes));
             (0..2).all(|c| {
