@@ -2,8 +2,8 @@
 //! radial coefficient.
 //!
 //! `correlate/1` is a whole measurement of one iteration: coefficients of the deformed image, residual, right-hand side,
-//! solution. In `correlate/5` the coefficients are shared by five iterations, and a start so near is left as it is. `stream` only reads what an iteration reads from
-//! memory, and nothing else: no iteration can be faster.
+//! solution. In `correlate/5` the coefficients are shared by five iterations; a start so near is left as it is. `stream` only
+//! reads what an iteration reads from memory, and nothing else: no iteration can be faster.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 

@@ -8,8 +8,10 @@ use nalgebra::{DMatrix, DVector};
 use crate::brightness::{Correction, Moments};
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::node_views;
+use crate::expansion::NodeView;
 use crate::gauss_newton::corrections;
 use crate::residual::Evaluator;
+use crate::sample::extents;
 use crate::{COMPONENTS, Error, Monitor};
 
 /// A sample is worth reading where the mesh has this many times its cells.
@@ -37,7 +39,8 @@ pub(crate) fn align(
     let mut least = f64::INFINITY;
     let mut current = displacement;
     for iteration in 0..MAX_ITERATIONS {
-        let sample = basis.sample(evaluator, &current, correction, monitor)?;
+        let views = node_views(&evaluator.system.mesh, evaluator.level.camera.as_ref(), Some(&current));
+        let sample = basis.sample(evaluator, &views, correction, monitor)?;
         // NaN, where the sample has left the image, is no progress either.
         if sample.residual >= least || sample.residual.is_nan() {
             break;
@@ -45,7 +48,6 @@ pub(crate) fn align(
         best.clone_from(&current);
         (least, correction) = (sample.residual, sample.correction);
         let Some(step) = sample.step(&basis) else { break };
-        let views = node_views(&evaluator.system.mesh, evaluator.level.camera.as_ref(), Some(&current));
         let largest = corrections(&views, &step).into_iter().fold(0.0, f64::max);
         let near = largest <= NEAR;
         if near && iteration == 0 {
@@ -70,11 +72,7 @@ struct Basis {
 impl Basis {
     fn of(evaluator: &Evaluator<'_>) -> Self {
         let views = node_views(&evaluator.system.mesh, evaluator.level.camera.as_ref(), None);
-        let extents = [0, 1].map(|c| {
-            views.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], view| {
-                [low.min(view.pixel[c]), high.max(view.pixel[c])]
-            })
-        });
+        let extents = extents(&views);
         let powers: Vec<[i32; 2]> = (0..=DEGREE).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j])).collect();
         let values = views.iter().flat_map(|view| {
             let [x, y] = [0, 1].map(|c| {
@@ -90,16 +88,15 @@ impl Basis {
         &self.values[node * self.terms..(node + 1) * self.terms]
     }
 
-    /// Evaluates the residual in the sample, and the system of the smooth field.
+    /// Evaluates the residual in the sample, its nodes displaced, and the system of the smooth field.
     fn sample(
         &self,
         evaluator: &Evaluator<'_>,
-        displacement: &[[f64; COMPONENTS]],
+        views: &[NodeView],
         correction: Correction,
         monitor: &dyn Monitor,
     ) -> Result<Sample, Error> {
         let mesh = &evaluator.system.mesh;
-        let views = node_views(mesh, evaluator.level.camera.as_ref(), Some(displacement));
         let size = self.terms * COMPONENTS;
         let (mut matrix, mut right_hand_side) = (DMatrix::zeros(size, size), DVector::zeros(size));
         let (mut moments, mut squares) = (Moments::default(), 0.0);
@@ -107,7 +104,7 @@ impl Basis {
             evaluator.level.sample.iter().copied(),
             monitor,
             |work, _, cell| {
-                let result = evaluator.evaluate_cell(work, cell, &views, correction, true);
+                let result = evaluator.evaluate_cell(work, cell, views, correction, true);
                 let nodes = mesh.cell(cell).nodes;
                 let dofs = nodes.len() * COMPONENTS;
                 let shares = DMatrix::from_fn(dofs, size, |row, column| {
@@ -187,8 +184,8 @@ mod tests {
         Image::new(SIZE, SIZE, greys.collect()).unwrap()
     }
 
-    /// The field that `align` finds from `start`, and where the nodes are.
-    fn aligned(size: f64, deformed: &Image, start: [f64; 2]) -> (Vec<[f64; 2]>, Vec<[f64; 3]>) {
+    /// The field that `align` finds from `start`, where the nodes are, and the mean square of the residual before and after.
+    fn aligned(size: f64, deformed: &Image, start: [f64; 2]) -> (Vec<[f64; 2]>, Vec<[f64; 3]>, [f64; 2]) {
         let mesh = rectangle_mesh(BOUNDS, size, CellType::Quad).unwrap();
         let system = System::new(&mesh).unwrap();
         let options = Options::default();
@@ -205,8 +202,14 @@ mod tests {
         let deformed = Interpolator::new(deformed.view(), options.interpolation);
         let brightness = Brightness::Global;
         let evaluator = Evaluator { system: &system, level: &level, deformed: &deformed, brightness };
-        let found = align(&evaluator, vec![start; mesh.num_nodes()], &()).unwrap();
-        (found, mesh.points().to_vec())
+        let start = vec![start; mesh.num_nodes()];
+        let found = align(&evaluator, start.clone(), &()).unwrap();
+        let residuals = [&start, &found].map(|field| {
+            let views = node_views(&system.mesh, &ImageFrame, Some(field));
+            let correction = evaluator.first_correction(field, &()).unwrap();
+            Basis::of(&evaluator).sample(&evaluator, &views, correction, &()).unwrap().residual
+        });
+        (found, mesh.points().to_vec(), residuals)
     }
 
     #[test]
@@ -218,7 +221,8 @@ mod tests {
             let [u, v] = moved([x - u, y - v]);
             [x - u, y - v]
         };
-        let (found, points) = aligned(6.0, &image(origin), [0.0; 2]);
+        let (found, points, [before, after]) = aligned(6.0, &image(origin), [0.0; 2]);
+        assert!(after < 0.02 * before, "{before} {after}");
         for (found, point) in found.iter().zip(points) {
             let [u, v] = moved([point[0], point[1]]);
             let error = (found[0] - u).hypot(found[1] - v);
@@ -229,7 +233,7 @@ mod tests {
     #[test]
     fn a_good_start_is_left_as_it_is() {
         let start = [1.2, 0.7];
-        let (found, _) = aligned(6.0, &image(|[x, y]| [x - 1.23, y - 0.66]), start);
+        let (found, ..) = aligned(6.0, &image(|[x, y]| [x - 1.23, y - 0.66]), start);
         assert!(found.iter().all(|&u| u == start));
     }
 
@@ -237,10 +241,11 @@ mod tests {
     fn what_does_not_help_is_not_taken() {
         let unrelated = image(|[x, y]| [x + 5000.0, y - 3000.0]);
         let start = [0.3, -0.2];
-        let (found, _) = aligned(6.0, &unrelated, start);
+        let (found, _, [before, after]) = aligned(6.0, &unrelated, start);
+        assert!(after <= before, "{before} {after}");
         assert!(found.iter().flatten().all(|u| u.is_finite() && u.abs() < 20.0));
         // A sample would be most of such a mesh.
-        let (found, _) = aligned(20.0, &image(|[x, y]| [x - 2.0, y]), [0.0; 2]);
+        let (found, ..) = aligned(20.0, &image(|[x, y]| [x - 2.0, y]), [0.0; 2]);
         assert!(found.iter().all(|&u| u == [0.0; 2]));
     }
 }

@@ -7,21 +7,25 @@ use crate::expansion::NodeView;
 /// Squares along each side of the mesh: a few hundred cells, read in a millisecond.
 const SIDE: usize = 16;
 
+/// Least and greatest pixel coordinate of some nodes, along `u` and along `v`.
+pub(crate) fn extents(views: &[NodeView]) -> [[f64; 2]; 2] {
+    [0, 1].map(|c| {
+        views.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], view| {
+            [low.min(view.pixel[c]), high.max(view.pixel[c])]
+        })
+    })
+}
+
 /// One cell of every square of a grid over the mesh as it is seen: also of parts where cells are large and few.
 pub(crate) fn spread_cells(mesh: &Mesh, views: &[NodeView]) -> Vec<usize> {
-    let mut corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    for view in views {
-        for c in 0..2 {
-            corners[0][c] = corners[0][c].min(view.pixel[c]);
-            corners[1][c] = corners[1][c].max(view.pixel[c]);
-        }
-    }
+    let extents = extents(views);
     let mut first_of = [None; SIDE * SIDE];
     for cell in 0..mesh.num_cells() {
         let nodes = mesh.cell(cell).nodes;
         let square = [0, 1].map(|c| {
             let centre = nodes.iter().map(|&node| views[node as usize].pixel[c]).sum::<f64>() / nodes.len() as f64;
-            let place = (centre - corners[0][c]) / (corners[1][c] - corners[0][c]);
+            let [low, high] = extents[c];
+            let place = (centre - low) / (high - low);
             // A NaN falls in the first square.
             ((place * SIDE as f64) as usize).min(SIDE - 1)
         });
