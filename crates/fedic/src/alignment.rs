@@ -226,7 +226,7 @@ mod tests {
         for (found, point) in found.iter().zip(points) {
             let [u, v] = moved([point[0], point[1]]);
             let error = (found[0] - u).hypot(found[1] - v);
-            assert!(error < 0.15, "{error} px at {point:?}");
+            assert!(error < 0.005, "{error} px at {point:?}");
         }
     }
 
