@@ -5,6 +5,9 @@
 //! above and below its own rows, and so depends on no other band: the influence of a sample dies out geometrically, and
 //! beyond [`LineFilter::warm_up`] rows it is below rounding. No second image is needed, and each band stays in cache.
 
+use std::ops::Range;
+
+use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 
 use crate::line_filter::LineFilter;
@@ -18,6 +21,12 @@ pub(crate) const PADDING: usize = 3;
 
 /// Numbers after the last row, so that eight can be read where six are needed.
 const SLACK: usize = 2;
+
+/// Numbers in a cache line.
+const LINE: usize = 16;
+
+/// Most coefficients asked for at once: half of the cache next to the processor.
+const MOST_ASKED: usize = 4096;
 
 /// Rows filtered by one task.
 const BAND: usize = 256;
@@ -48,6 +57,24 @@ impl Coefficients {
     #[inline]
     pub(crate) fn stride(&self) -> usize {
         self.stride
+    }
+
+    /// Asks the memory for the coefficients of these pixels, unless they are so many that the first would be gone when read.
+    pub(crate) fn prefetch(&self, columns: Range<isize>, rows: Range<isize>) {
+        let last = self.data.len() / self.stride;
+        let within = |range: Range<isize>, end: usize| {
+            let [start, stop] = [range.start, range.end].map(|x| (x.max(0) as usize).saturating_add(PADDING).min(end));
+            start..stop
+        };
+        let (columns, rows) = (within(columns, self.stride), within(rows, last));
+        if columns.is_empty() || columns.len() * rows.len() > MOST_ASKED {
+            return;
+        }
+        for row in rows {
+            let start = row * self.stride;
+            columns.clone().step_by(LINE).for_each(|column| prefetch_index(&self.data, start + column));
+            prefetch_index(&self.data, start + columns.end - 1);
+        }
     }
 
     #[inline]

@@ -12,6 +12,9 @@ use crate::prefilter::{CUBIC, QUINTIC};
 use crate::reading::{Points, read};
 use crate::view::ImageView;
 
+/// Pixels beyond the nearest that some kernels read.
+const REACH: isize = 1;
+
 /// An image prepared for reading between its pixels.
 ///
 /// Its domain is the extent of the pixels, `[-0.5, width - 0.5] x [-0.5, height - 0.5]`; outside it, values and gradients
@@ -144,6 +147,17 @@ impl Interpolator {
         dv: &mut [f32],
     ) {
         self.read(Points::Near(origin, u, v), [value, du, dv]);
+    }
+
+    /// Asks the memory for what points between the pixel coordinates `low` and `high` will need when they are read. It changes
+    /// no result: what nobody asked for in time is waited for.
+    pub fn prefetch(&self, low: [f64; 2], high: [f64; 2]) {
+        let range = |c: usize| {
+            // Casts saturate, and a NaN is zero.
+            let [first, last] = [low[c].floor() as isize, high[c].ceil() as isize];
+            first.saturating_sub(REACH)..last.saturating_add(REACH + 1)
+        };
+        self.coefficients.prefetch(range(0), range(1));
     }
 
     /// Grey levels (one slice), or these and their derivatives (three).

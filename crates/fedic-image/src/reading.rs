@@ -1,8 +1,6 @@
 //! Reading an image at many points: block by block, one step at a time over the whole block, with the best instructions that
 //! the processor has.
 
-use std::hint::black_box;
-
 use pulp::Simd;
 
 use crate::coefficients::Coefficients;
@@ -40,17 +38,16 @@ pub(crate) fn read<const HALF: usize, const TAPS: usize, const READINGS: usize>(
     out: [&mut [f32]; READINGS],
 ) {
     let grid = Grid { width: size[0], height: size[1], stride: coefficients.stride(), half: HALF };
-    let data = coefficients.as_slice();
     #[cfg(target_arch = "x86_64")]
     if let Some(v3) = pulp::x86::V3::try_new() {
-        let reading = Reading::<_, HALF, TAPS, READINGS> { data, grid, kernel, points, out, summation: v3 };
+        let reading = Reading::<_, HALF, TAPS, READINGS> { coefficients, grid, kernel, points, out, summation: v3 };
         return pulp::Simd::vectorize(v3, reading);
     }
-    Reading::<_, HALF, TAPS, READINGS> { data, grid, kernel, points, out, summation: pulp::Scalar }.run();
+    Reading::<_, HALF, TAPS, READINGS> { coefficients, grid, kernel, points, out, summation: pulp::Scalar }.run();
 }
 
 struct Reading<'a, S, const HALF: usize, const TAPS: usize, const READINGS: usize> {
-    data: &'a [f32],
+    coefficients: &'a Coefficients,
     grid: Grid,
     kernel: &'a Kernel<HALF>,
     points: Points<'a>,
@@ -117,7 +114,7 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         [column_slopes, row_slopes]: &mut [[Lane; TAPS]; 2],
         readings: &mut [Lane; READINGS],
     ) {
-        let stencils = Stencils { data: self.data, stride: self.grid.stride, first: &places.first };
+        let stencils = Stencils { data: self.coefficients.as_slice(), stride: self.grid.stride, first: &places.first };
         let [u, v] = &places.middle;
         weigh::<S, HALF>(self.kernel, u, columns);
         weigh::<S, HALF>(self.kernel, v, rows);
@@ -143,34 +140,27 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
             && fits(origin[0], extents[0], self.grid.width)
             && fits(origin[1], extents[1], self.grid.height);
         if inside {
-            self.touch(origin, extents, u.len());
+            self.prefetch(origin, extents, u.len());
         }
         inside
     }
 
-    /// Reads a number of every cache line that the points will read, at once: one by one, each would be waited for. Not where
-    /// points are so far apart that most lines are none of theirs.
+    /// Asks the memory for what the points will read, at once: one by one, it would be waited for. Not where points are so far
+    /// apart that most of what lies between is none of theirs.
     #[inline(always)]
-    fn touch(&self, origin: [isize; 2], [u, v]: [[f32; 2]; 2], count: usize) {
+    fn prefetch(&self, origin: [isize; 2], [u, v]: [[f32; 2]; 2], count: usize) {
         let (columns, rows) = ((u[1] - u[0]) as usize + TAPS, (v[1] - v[0]) as usize + TAPS);
         if columns * rows > SPARSE * count {
             return;
         }
-        let first = self.grid.first(origin[0] + u[0].floor() as isize, origin[1] + v[0].floor() as isize);
-        let mut sum = 0;
-        for row in self.data[first..].chunks(self.grid.stride).take(rows) {
-            let row = &row[..row.len().min(columns)];
-            for line in row.chunks(LINE) {
-                sum |= line[0].to_bits();
-            }
-            sum |= row[row.len() - 1].to_bits();
-        }
-        black_box(sum);
+        let range = |origin: isize, [low, high]: [f32; 2]| {
+            let [first, last] = [low, high].map(|x| origin + (x - 0.5).round() as isize + 1);
+            first - HALF as isize..last + HALF as isize
+        };
+        self.coefficients.prefetch(range(origin[0], u), range(origin[1], v));
     }
 }
 
-/// Numbers in a cache line.
-const LINE: usize = 16;
 /// Pixels per point from which on points are far apart.
 const SPARSE: usize = 16;
 /// Vectors compared side by side, so that none waits for the one before.
@@ -252,8 +242,8 @@ mod tests {
         let (mut best, mut plain) = (empty(), empty());
         read::<HALF, TAPS, 3>(&coefficients, SIZE, kernel, points, best.each_mut().map(Vec::as_mut_slice));
         let grid = Grid { width: SIZE[0], height: SIZE[1], stride: coefficients.stride(), half: HALF };
-        let (data, out) = (coefficients.as_slice(), plain.each_mut().map(Vec::as_mut_slice));
-        Reading::<_, HALF, TAPS, 3> { data, grid, kernel, points, out, summation: pulp::Scalar }.run();
+        let (coefficients, out) = (&coefficients, plain.each_mut().map(Vec::as_mut_slice));
+        Reading::<_, HALF, TAPS, 3> { coefficients, grid, kernel, points, out, summation: pulp::Scalar }.run();
         [best, plain]
     }
 

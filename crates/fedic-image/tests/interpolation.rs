@@ -141,6 +141,20 @@ fn points_do_not_depend_on_their_neighbours() {
 }
 
 #[test]
+fn anything_may_be_asked_for_in_advance() {
+    let interpolator = Interpolator::new(noise(40, 30).view(), Interpolation::Bspline5);
+    let before = value_at(&interpolator, 20.3, 10.6);
+    let ends = [f64::NEG_INFINITY, -1e300, -5.0, 0.0, 12.5, 39.5, 1e5, 1e300, f64::INFINITY, f64::NAN];
+    for low in ends {
+        for high in ends {
+            interpolator.prefetch([low, high], [high, low]);
+            interpolator.prefetch([low, 3.0], [high, 8.0]);
+        }
+    }
+    assert_eq!(value_at(&interpolator, 20.3, 10.6), before);
+}
+
+#[test]
 #[should_panic(expected = "one u, one v and one of each reading for each point")]
 fn lengths_must_agree() {
     let image = noise(8, 8);

@@ -104,7 +104,7 @@ impl Basis {
             evaluator.level.sample.iter().copied(),
             monitor,
             |work, _, cell| {
-                let result = evaluator.evaluate_cell(work, cell, views, correction, true);
+                let result = evaluator.evaluate_cell(work, cell, views, correction, true, None);
                 let nodes = mesh.cell(cell).nodes;
                 let dofs = nodes.len() * COMPONENTS;
                 let shares = DMatrix::from_fn(dofs, size, |row, column| {

@@ -36,6 +36,7 @@
 //! # Ok::<(), fedic::Error>(())
 //! ```
 
+mod ahead;
 mod alignment;
 mod batch;
 mod brightness;

@@ -1,11 +1,20 @@
 //! What is kept of the reference image at the quadrature points, cell by cell.
 
+use std::ops::Range;
+
+use prefetch_index::prefetch_index;
+
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::PADDING;
 use crate::simd::{largest, to_steps};
 
 /// Steps of the largest gradient of a cell.
 const STEPS: f32 = 32_000.0;
+
+/// Bytes in a cache line.
+const LINE: usize = 64;
+/// Most points whose numbers are asked for at once.
+const MOST_ASKED: usize = 1024;
 
 /// One number per point, those of a cell side by side and padded with zeros: a point costs 8 bytes, or 12. The numbers of one kind
 /// lie together over all cells, so that memory is read straight on.
@@ -87,6 +96,22 @@ impl Points {
         })
     }
 
+    /// Asks the memory for the grey levels of a cell that will be read next.
+    pub(crate) fn prefetch_value(&self, cell: usize) {
+        prefetch(&self.value, self.first_of(cell));
+    }
+
+    /// The same for its gradients.
+    pub(crate) fn prefetch_gradient(&self, cell: usize) {
+        self.gradient.iter().for_each(|along| prefetch(along, self.first_of(cell)));
+    }
+
+    /// The points of a cell, or the first of them where they are too many to be asked for at once.
+    fn first_of(&self, cell: usize) -> Range<usize> {
+        let CellEntry { first, padded, .. } = self.cells[cell];
+        first..first + padded.min(MOST_ASKED)
+    }
+
     /// The numbers of one cell.
     pub(crate) fn cell(&self, cell: usize) -> CellPoints<'_> {
         let CellEntry { first, first_weight, padded, varying, scale } = self.cells[cell];
@@ -122,6 +147,11 @@ impl CellPoints<'_> {
     pub(crate) fn weight(&self, k: usize) -> f64 {
         self.scale * self.weights.map_or(1.0, |weights| f64::from(weights[k]))
     }
+}
+
+/// Asks the memory for some numbers of a row.
+fn prefetch<T>(row: &[T], range: Range<usize>) {
+    range.step_by(LINE / size_of::<T>()).for_each(|k| prefetch_index(row, k));
 }
 
 /// Takes the first `count` numbers off a row.

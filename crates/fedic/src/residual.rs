@@ -4,6 +4,7 @@ use fedic_image::Interpolator;
 use fedic_mesh::MAX_NODES;
 use fedic_sparse::SymmetricMatrix;
 
+use crate::ahead::{Ahead, Share};
 use crate::brightness::{Correction, FLAT, Moments, counted_from};
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::{CellView, node_views};
@@ -66,7 +67,10 @@ impl Evaluator<'_> {
         for_each_cell(
             0..num_cells,
             monitor,
-            |work, cell, _| self.evaluate_cell(work, cell, &views, guess, with_hessian),
+            |work, cell, _| {
+                let ahead = Ahead::new(&self.level.points, self.deformed, &self.system.mesh, cell + 1, &views);
+                self.evaluate_cell(work, cell, &views, guess, with_hessian, ahead.as_ref())
+            },
             |cell, result| {
                 self.system.add_to_nodes(cell, &result.sums, &mut right_hand_side);
                 if let (Some(matrix), Some(cell_hessian)) = (&mut hessian, &result.hessian) {
@@ -115,7 +119,7 @@ impl Evaluator<'_> {
             |work, _, cell| {
                 let view = CellView::new(mesh, cell, &views, self.level.camera.as_ref());
                 let points = self.level.points.cell(cell);
-                self.read_cell(work, cell, &view, points).moments
+                self.read_cell(work, cell, &view, points, None).moments
             },
             |_, cell| moments.add(&cell),
         )?;
@@ -142,17 +146,29 @@ impl Evaluator<'_> {
 
     /// Reads the deformed image at the points of a cell: their grey levels are in `work.grey`. Where points lie outside, their
     /// weights, in `work.weights`, vanish. Where the cell has no expansion, `work.q` holds the gradients pulled back.
-    fn read_cell(&self, work: &mut Work, cell: usize, view: &CellView<'_>, points: CellPoints<'_>) -> CellReading {
+    fn read_cell(
+        &self,
+        work: &mut Work,
+        cell: usize,
+        view: &CellView<'_>,
+        points: CellPoints<'_>,
+        ahead: Option<&Ahead<'_>>,
+    ) -> CellReading {
+        let ask = |share| ahead.iter().for_each(|ahead| ahead.ask(share));
         let level = self.level;
         let (cell_type, count) = (self.system.mesh.cell(cell).cell_type, level.quadrature.range(cell).len());
         work.resize(count);
         let (grey, q) = (&mut work.grey, &mut work.q);
+        ask(Share::Gradient);
         if let Some(expansion) = &view.expansion {
             for first in (0..count).step_by(PART) {
                 let part = first..count.min(first + PART);
                 let rows = work.own_table.rows(&level.quadrature, cell, cell_type, first);
                 let [u, v] = work.pixel.each_mut().map(|row| &mut row[..rows.padded()]);
                 positions(rows, expansion, u, v);
+                if first == 0 {
+                    ask(Share::UpperImage);
+                }
                 self.deformed.values_near(expansion.origin, &u[..part.len()], &v[..part.len()], &mut grey[part]);
             }
         } else {
@@ -167,6 +183,7 @@ impl Evaluator<'_> {
                 }
             });
         }
+        ask(Share::LowerImage);
         let of_reference = level.moments[cell];
         let weight = of_reference.weight / points.scale;
         let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, points.weights, weight);
@@ -213,12 +230,14 @@ impl Evaluator<'_> {
         views: &[NodeView],
         correction: Correction,
         with_hessian: bool,
+        ahead: Option<&Ahead<'_>>,
     ) -> CellResult {
         let (mesh, level) = (&self.system.mesh, self.level);
         let cell_type = mesh.cell(cell).cell_type;
         let view = CellView::new(mesh, cell, views, level.camera.as_ref());
         let points = level.points.cell(cell);
-        let CellReading { moments, outside } = self.read_cell(work, cell, &view, points);
+        let CellReading { moments, outside } = self.read_cell(work, cell, &view, points, ahead);
+        ahead.iter().for_each(|ahead| ahead.ask(Share::Value));
         let correction = match self.brightness {
             Brightness::Element => moments.correction(),
             Brightness::None | Brightness::Global => correction,
