@@ -340,7 +340,7 @@ pub(crate) fn hessian_sums(rows: Rows<'_>, q: [&[f32]; 2], weights: &[f32], sums
 /// Products of two components.
 pub(crate) const PRODUCTS: usize = COMPONENTS * (COMPONENTS + 1) / 2;
 /// Points whose products are formed at once.
-const POINTS: usize = 64;
+const POINTS: usize = 128;
 
 struct HessianSums<'a> {
     rows: Rows<'a>,
@@ -370,26 +370,55 @@ impl WithSimd for HessianSums<'_> {
                     shapes[a][k] = f64::from(shape[k]);
                 }
             }
-            let [xx, xy, yy] = &products;
-            let (xx, xy, yy) = (vectors::<S>(xx, n), vectors::<S>(xy, n), vectors::<S>(yy, n));
-            let mut pair = 0;
+            let products = [&products[0], &products[1], &products[2]].map(|row| vectors::<S>(row, n));
+            let mut rows = self.sums.iter_mut();
             for a in 0..nodes {
-                let shape_a = vectors::<S>(&shapes[a], n);
-                for b in 0..=a {
-                    let shape_b = vectors::<S>(&shapes[b], n);
-                    let mut parts = [simd.splat_f64s(0.0); PRODUCTS];
-                    for ((((&a, &b), &xx), &xy), &yy) in shape_a.iter().zip(shape_b).zip(xx).zip(xy).zip(yy) {
-                        let both = simd.mul_f64s(a, b);
-                        parts[0] = simd.mul_add_e_f64s(both, xx, parts[0]);
-                        parts[1] = simd.mul_add_e_f64s(both, xy, parts[1]);
-                        parts[2] = simd.mul_add_e_f64s(both, yy, parts[2]);
+                let row = vectors::<S>(&shapes[a], n);
+                // Several columns at once, so that no sum waits for the one before.
+                for columns in shapes[..=a].chunks(COLUMNS) {
+                    match columns {
+                        [b, c, d, e] => add_products(simd, row, [b, c, d, e], products, &mut rows),
+                        [b, c, d] => add_products(simd, row, [b, c, d], products, &mut rows),
+                        [b, c] => add_products(simd, row, [b, c], products, &mut rows),
+                        rest => rest.iter().for_each(|b| add_products(simd, row, [b], products, &mut rows)),
                     }
-                    for p in 0..PRODUCTS {
-                        self.sums[pair][p] += simd.reduce_sum_f64s(parts[p]);
-                    }
-                    pair += 1;
                 }
             }
+        }
+    }
+}
+
+/// Columns of a Hessian summed at once.
+const COLUMNS: usize = 4;
+
+/// Adds to the next sums those of the products times the shape functions of one row and of some columns.
+#[inline(always)]
+fn add_products<'a, S: Simd, const N: usize>(
+    simd: S,
+    row: &[S::f64s],
+    columns: [&[f64; POINTS]; N],
+    products: [&[S::f64s]; PRODUCTS],
+    sums: &mut impl Iterator<Item = &'a mut [f64; PRODUCTS]>,
+) {
+    let count = row.len();
+    let mut columns_of = [row; N];
+    for b in 0..N {
+        columns_of[b] = &S::as_simd_f64s(columns[b]).0[..count];
+    }
+    let [xx, xy, yy] = [&products[0][..count], &products[1][..count], &products[2][..count]];
+    let mut parts = [[simd.splat_f64s(0.0); PRODUCTS]; N];
+    for k in 0..count {
+        let weighted = [simd.mul_f64s(row[k], xx[k]), simd.mul_f64s(row[k], xy[k]), simd.mul_f64s(row[k], yy[k])];
+        for b in 0..N {
+            let shape = columns_of[b][k];
+            for p in 0..PRODUCTS {
+                parts[b][p] = simd.mul_add_e_f64s(shape, weighted[p], parts[b][p]);
+            }
+        }
+    }
+    for (parts, sums) in parts.into_iter().zip(sums) {
+        for p in 0..PRODUCTS {
+            sums[p] += simd.reduce_sum_f64s(parts[p]);
         }
     }
 }
