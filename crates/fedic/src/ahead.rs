@@ -6,6 +6,7 @@
 use fedic_image::Interpolator;
 use fedic_mesh::Mesh;
 
+use crate::cell_view::extents;
 use crate::expansion::NodeView;
 use crate::points::Points;
 
@@ -23,9 +24,8 @@ pub(crate) struct Ahead<'a> {
     points: &'a Points,
     image: &'a Interpolator,
     cell: usize,
-    /// The least and the greatest pixel coordinates of its nodes.
-    low: [f64; 2],
-    high: [f64; 2],
+    /// Of its nodes.
+    extents: [[f64; 2]; 2],
 }
 
 impl<'a> Ahead<'a> {
@@ -40,18 +40,12 @@ impl<'a> Ahead<'a> {
         if cell >= mesh.num_cells() {
             return None;
         }
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for &node in mesh.cell(cell).nodes {
-            let pixel = views[node as usize].pixel;
-            for c in 0..2 {
-                (low[c], high[c]) = (low[c].min(pixel[c]), high[c].max(pixel[c]));
-            }
-        }
-        Some(Self { points, image, cell, low, high })
+        let extents = extents(mesh.cell(cell).nodes.iter().map(|&node| &views[node as usize]));
+        Some(Self { points, image, cell, extents })
     }
 
     pub(crate) fn ask(&self, share: Share) {
-        let ([left, top], [right, bottom]) = (self.low, self.high);
+        let [[left, right], [top, bottom]] = self.extents;
         let middle = 0.5 * (top + bottom);
         match share {
             Share::Gradient => self.points.prefetch_gradient(self.cell),

@@ -7,11 +7,10 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::brightness::{Correction, Moments};
 use crate::cell_loop::for_each_cell;
-use crate::cell_view::node_views;
+use crate::cell_view::{extents, node_views};
 use crate::expansion::NodeView;
 use crate::gauss_newton::corrections;
 use crate::residual::Evaluator;
-use crate::sample::extents;
 use crate::{COMPONENTS, Error, Monitor};
 
 /// A sample is worth reading where the mesh has this many times its cells.
@@ -72,7 +71,7 @@ struct Basis {
 impl Basis {
     fn of(evaluator: &Evaluator<'_>) -> Self {
         let views = node_views(&evaluator.system.mesh, evaluator.level.camera.as_ref(), None);
-        let extents = extents(&views);
+        let extents = extents(views.iter());
         let powers: Vec<[i32; 2]> = (0..=DEGREE).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j])).collect();
         let values = views.iter().flat_map(|view| {
             let [x, y] = [0, 1].map(|c| {

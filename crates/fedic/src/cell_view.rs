@@ -33,6 +33,17 @@ pub(crate) fn node_views(
     mesh.points().par_iter().enumerate().map(view).collect()
 }
 
+/// Least and greatest pixel coordinate of some nodes, along `u` and along `v`.
+pub(crate) fn extents<'a>(views: impl Iterator<Item = &'a NodeView>) -> [[f64; 2]; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    views.fold([none; 2], |extents, view| {
+        [0, 1].map(|c| {
+            let ([low, high], x) = (extents[c], view.pixel[c]);
+            [low.min(x), high.max(x)]
+        })
+    })
+}
+
 impl<'a> CellView<'a> {
     pub(crate) fn new(mesh: &Mesh, cell: usize, views: &'a [NodeView], camera: &dyn Camera) -> Self {
         let cell = mesh.cell(cell);

@@ -2,23 +2,15 @@
 
 use fedic_mesh::Mesh;
 
+use crate::cell_view::extents;
 use crate::expansion::NodeView;
 
 /// Squares along each side of the mesh: a few hundred cells, read in a millisecond.
 const SIDE: usize = 16;
 
-/// Least and greatest pixel coordinate of some nodes, along `u` and along `v`.
-pub(crate) fn extents(views: &[NodeView]) -> [[f64; 2]; 2] {
-    [0, 1].map(|c| {
-        views.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], view| {
-            [low.min(view.pixel[c]), high.max(view.pixel[c])]
-        })
-    })
-}
-
 /// One cell of every square of a grid over the mesh as it is seen: also of parts where cells are large and few.
 pub(crate) fn spread_cells(mesh: &Mesh, views: &[NodeView]) -> Vec<usize> {
-    let extents = extents(views);
+    let extents = extents(views.iter());
     let mut first_of = [None; SIDE * SIDE];
     for cell in 0..mesh.num_cells() {
         let nodes = mesh.cell(cell).nodes;

@@ -403,7 +403,7 @@ fn add_products<'a, S: Simd, const N: usize>(
     let count = row.len();
     let mut columns_of = [row; N];
     for b in 0..N {
-        columns_of[b] = &S::as_simd_f64s(columns[b]).0[..count];
+        columns_of[b] = &vectors::<S>(columns[b], POINTS)[..count];
     }
     let [xx, xy, yy] = [&products[0][..count], &products[1][..count], &products[2][..count]];
     let mut parts = [[simd.splat_f64s(0.0); PRODUCTS]; N];
