@@ -11,3 +11,7 @@ pub(crate) type Lane = [f32; BLOCK];
 pub(crate) fn fused<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
+
+/// Lanes that begin where a cache line does: no vector of them lies across two lines.
+#[repr(align(64))]
+pub(crate) struct Aligned<T>(pub(crate) T);

@@ -5,7 +5,7 @@ use pulp::Simd;
 
 use crate::coefficients::Coefficients;
 use crate::kernel::Kernel;
-use crate::lanes::{BLOCK, Lane};
+use crate::lanes::{Aligned, BLOCK, Lane};
 use crate::places::{Grid, Places};
 use crate::stencil::{Stencils, Summation};
 
@@ -72,8 +72,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
     fn run(mut self) {
         let inside = self.all_inside();
         let mut places = Places::new();
-        let (mut weights, mut slopes) = ([[[0.0; BLOCK]; TAPS]; 2], [[[0.0; BLOCK]; TAPS]; 2]);
-        let mut readings = [[0.0; BLOCK]; READINGS];
+        let (mut weights, mut slopes) = (Aligned([[[0.0; BLOCK]; TAPS]; 2]), Aligned([[[0.0; BLOCK]; TAPS]; 2]));
+        let mut readings = Aligned([[0.0; BLOCK]; READINGS]);
         let count = self.out[0].len();
         for start in (0..count).step_by(BLOCK) {
             // The last block is a whole one too, where there are as many points: some are read twice.
@@ -95,8 +95,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
                     places.locate(self.grid, &absolute_u, &absolute_v);
                 }
             }
-            self.read_block(&places, &mut weights, &mut slopes, &mut readings);
-            for (out, reading) in self.out.iter_mut().zip(&readings) {
+            self.read_block(&places, &mut weights.0, &mut slopes.0, &mut readings.0);
+            for (out, reading) in self.out.iter_mut().zip(&readings.0) {
                 match out[start..].first_chunk_mut() {
                     Some(out) => *out = *reading,
                     None => copy_some(&mut out[start..end], reading),

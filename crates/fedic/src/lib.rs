@@ -59,6 +59,7 @@ mod reference;
 mod regularization;
 mod residual;
 mod residual_map;
+mod row;
 mod sample;
 mod sampler;
 mod self_calibration;

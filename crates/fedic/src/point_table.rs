@@ -3,6 +3,7 @@
 use fedic_mesh::{CellType, MAX_NODES, Subdivision, shape_values_batch};
 
 use crate::expansion::{MONOMIALS, monomials};
+use crate::row::Row;
 
 /// Rows are padded to a multiple of this many points, so that no vector is cut short.
 pub(crate) const PADDING: usize = 16;
@@ -18,7 +19,7 @@ const MIN_SHARING: usize = 8;
 pub(crate) struct PointTable {
     num_nodes: usize,
     padded: usize,
-    rows: Vec<f32>,
+    rows: Row<f32>,
 }
 
 /// Some points of a table.
@@ -35,8 +36,8 @@ impl PointTable {
         let (len, num_nodes) = (xi.len(), cell_type.num_nodes());
         let padded = len.next_multiple_of(PADDING);
         (self.num_nodes, self.padded) = (num_nodes, padded);
-        self.rows.clear();
-        self.rows.resize((num_nodes + MONOMIALS + 1) * padded, 0.0);
+        self.rows.make_room((num_nodes + MONOMIALS + 1) * padded);
+        self.rows.fill(0.0);
         let mut shape = [0.0; MAX_NODES * PADDING];
         for start in (0..len).step_by(PADDING) {
             let block = start..len.min(start + PADDING);

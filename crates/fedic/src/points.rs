@@ -6,13 +6,12 @@ use prefetch_index::prefetch_index;
 
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::PADDING;
+use crate::row::{LINE, Row};
 use crate::simd::{largest, to_steps};
 
 /// Steps of the largest gradient of a cell.
 const STEPS: f32 = 32_000.0;
 
-/// Bytes in a cache line.
-const LINE: usize = 64;
 /// Most points whose numbers are asked for at once.
 const MOST_ASKED: usize = 1024;
 
@@ -20,13 +19,13 @@ const MOST_ASKED: usize = 1024;
 /// lie together over all cells, so that memory is read straight on.
 #[derive(Debug, Clone)]
 pub(crate) struct Points {
-    value: Vec<f32>,
+    value: Row<f32>,
     /// In whole steps: gradients only weigh residuals, and half a step is to them what 1e-5 is to one.
-    gradient: [Vec<i16>; 2],
+    gradient: [Row<i16>; 2],
     /// The step of each cell, of which its largest gradient makes [`STEPS`].
     steps: Vec<f32>,
     /// Of the cells whose weights vary.
-    weights: Vec<f32>,
+    weights: Row<f32>,
     cells: Vec<CellEntry>,
 }
 
@@ -75,15 +74,15 @@ impl Points {
         }
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
         Vec::<f32>::new().try_reserve_exact(2 * first + first_weight).ok()?;
-        let [value, weights] = [first, first_weight].map(|count| vec![0.0; count]);
-        let gradient = [vec![0; first], vec![0; first]];
+        let [value, weights] = [first, first_weight].map(Row::zeros);
+        let gradient = [Row::zeros(first), Row::zeros(first)];
         Some(Self { value, gradient, steps: vec![0.0; cells.len()], weights, cells })
     }
 
     /// The numbers of every cell, and what multiplies its weights.
     pub(crate) fn cells_mut(&mut self) -> impl Iterator<Item = (CellPointsMut<'_>, f64)> {
-        let [along_u, along_v] = self.gradient.each_mut().map(Vec::as_mut_slice);
-        let (mut value, mut weights) = (self.value.as_mut_slice(), self.weights.as_mut_slice());
+        let [along_u, along_v] = self.gradient.each_mut().map(|along| &mut **along);
+        let (mut value, mut weights) = (&mut *self.value, &mut *self.weights);
         let mut gradient = [along_u, along_v];
         self.cells.iter().zip(&mut self.steps).map(move |(cell, step)| {
             let rows = CellPointsMut {

@@ -72,7 +72,7 @@ impl ReferenceReader<'_> {
                 weights[k] = 0.0;
             }
         }
-        rows.keep_gradient(work.gradient.each_ref().map(Vec::as_slice));
+        rows.keep_gradient(work.gradient.each_ref().map(|along| &**along));
         self.sum(work, cell, &view, &rows, scale, outside)
     }
 

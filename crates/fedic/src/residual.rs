@@ -201,7 +201,7 @@ impl Evaluator<'_> {
                 work.q.iter_mut().for_each(|q| q[k] = 0.0);
             }
         }
-        let weights = Some(work.weights.as_slice());
+        let weights = Some(&*work.weights);
         let [f, ff] = self.moments(&mut work.own_table, cell, points.value, weights, weight);
         let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, weights, weight);
         let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| points.scale * sum);
@@ -251,7 +251,7 @@ impl Evaluator<'_> {
             outside,
         };
         let Work { own_table, grey, q, weights, .. } = work;
-        let weights = if outside { Some(weights.as_slice()) } else { points.weights };
+        let weights = if outside { Some(&**weights) } else { points.weights };
         for first in (0..grey.len()).step_by(PART) {
             let rows = own_table.rows(&level.quadrature, cell, cell_type, first);
             let part = first..first + rows.padded();

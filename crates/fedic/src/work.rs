@@ -6,18 +6,19 @@ use crate::COMPONENTS;
 use crate::batch::Batch;
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::{PADDING, PART, PointTable, Rows};
+use crate::row::Row;
 
 /// Memory of one thread, used again for every cell.
 pub(crate) struct Work {
     pub(crate) batch: Box<Batch>,
     pub(crate) own_table: OwnTable,
     /// Pixel coordinates of the points of a part, from the origin of the cell's expansion.
-    pub(crate) pixel: [Vec<f32>; 2],
+    pub(crate) pixel: [Row<f32>; 2],
     /// Of all points of a cell: grey levels, gradients, gradients pulled back, weights.
-    pub(crate) grey: Vec<f32>,
-    pub(crate) gradient: [Vec<f32>; 2],
-    pub(crate) q: [Vec<f32>; COMPONENTS],
-    pub(crate) weights: Vec<f32>,
+    pub(crate) grey: Row<f32>,
+    pub(crate) gradient: [Row<f32>; 2],
+    pub(crate) q: [Row<f32>; COMPONENTS],
+    pub(crate) weights: Row<f32>,
 }
 
 /// The table of a cell that shares none, part by part.
@@ -31,11 +32,11 @@ impl Work {
         Self {
             batch: Batch::new(),
             own_table: OwnTable { coordinates: [vec![0.0; PART], vec![0.0; PART]], table: PointTable::default() },
-            pixel: [vec![0.0; PART], vec![0.0; PART]],
-            grey: Vec::new(),
-            gradient: [Vec::new(), Vec::new()],
-            q: [Vec::new(), Vec::new()],
-            weights: Vec::new(),
+            pixel: [Row::zeros(PART), Row::zeros(PART)],
+            grey: Row::default(),
+            gradient: Default::default(),
+            q: Default::default(),
+            weights: Row::default(),
         }
     }
 
@@ -43,7 +44,7 @@ impl Work {
     pub(crate) fn resize(&mut self, count: usize) {
         let padded = count.next_multiple_of(PADDING);
         for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
-            row.resize(padded, 0.0);
+            row.make_room(padded);
             row[count..].fill(0.0);
         }
     }
