@@ -47,11 +47,7 @@ pub trait Camera: Send + Sync {
 
     /// [`project`](Self::project) for many points given by components; all slices have one length.
     fn project_batch(&self, x: &[f64], y: &[f64], z: &[f64], u: &mut [f64], v: &mut [f64]) {
-        let n = u.len();
-        let (x, y, z, v) = (&x[..n], &y[..n], &z[..n], &mut v[..n]);
-        for k in 0..n {
-            [u[k], v[k]] = self.project([x[k], y[k], z[k]]);
-        }
+        project_each(|point| self.project(point), [x, y, z], [u, v]);
     }
 
     /// [`project_with_jacobian`](Self::project_with_jacobian) for many points; `jacobian[r][c]` is a slice as long as
@@ -65,16 +61,51 @@ pub trait Camera: Send + Sync {
         v: &mut [f64],
         jacobian: &mut [[&mut [f64]; 3]; 2],
     ) {
-        let n = u.len();
-        let (x, y, z, v) = (&x[..n], &y[..n], &z[..n], &mut v[..n]);
-        let [row_u, row_v] = jacobian.each_mut().map(|row| row.each_mut().map(|entry| &mut entry[..n]));
-        for k in 0..n {
-            let (pixel, j) = self.project_with_jacobian([x[k], y[k], z[k]]);
-            [u[k], v[k]] = pixel;
-            for c in 0..3 {
-                row_u[c][k] = j[0][c];
-                row_v[c][k] = j[1][c];
+        project_each_with_jacobian(|point| self.project_with_jacobian(point), [x, y, z], [u, v], jacobian);
+    }
+}
+
+/// Points projected side by side, in registers.
+const LANES: usize = 4;
+
+#[inline(always)]
+pub(crate) fn project_each(project: impl Fn([f64; 3]) -> [f64; 2], [x, y, z]: [&[f64]; 3], [u, v]: [&mut [f64]; 2]) {
+    let n = u.len();
+    let (x, y, z, v) = (&x[..n], &y[..n], &z[..n], &mut v[..n]);
+    for k in 0..n {
+        [u[k], v[k]] = project([x[k], y[k], z[k]]);
+    }
+}
+
+#[inline(always)]
+pub(crate) fn project_each_with_jacobian(
+    project: impl Fn([f64; 3]) -> ([f64; 2], [[f64; 3]; 2]),
+    [x, y, z]: [&[f64]; 3],
+    [u, v]: [&mut [f64]; 2],
+    jacobian: &mut [[&mut [f64]; 3]; 2],
+) {
+    let n = u.len();
+    for start in (0..n).step_by(LANES) {
+        let block = start..n.min(start + LANES);
+        let mut point = [[0.0; LANES]; 3];
+        for (lane, c) in point.iter_mut().zip([x, y, z]) {
+            lane[..block.len()].copy_from_slice(&c[block.clone()]);
+        }
+        let mut pixel = [[0.0; LANES]; 2];
+        let mut rows = [[[0.0; LANES]; 3]; 2];
+        for k in 0..LANES {
+            let (seen, derivatives) = project([point[0][k], point[1][k], point[2][k]]);
+            for r in 0..2 {
+                pixel[r][k] = seen[r];
+                for c in 0..3 {
+                    rows[r][c][k] = derivatives[r][c];
+                }
             }
+        }
+        u[block.clone()].copy_from_slice(&pixel[0][..block.len()]);
+        v[block.clone()].copy_from_slice(&pixel[1][..block.len()]);
+        for (entry, lane) in jacobian.iter_mut().flatten().zip(rows.as_flattened()) {
+            entry[block.clone()].copy_from_slice(&lane[..block.len()]);
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use crate::camera::{project_each, project_each_with_jacobian};
 use crate::{Camera, CameraError, Distortion};
 
 const ROTATION_TOLERANCE: f64 = 1e-6;
+/// Derivatives of no lens.
+const IDENTITY: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
 /// Rigid motion (paper, eq. 20), canonical projection (24), distortion (27) and intrinsic matrix with skew (22, 25).
 ///
@@ -156,25 +159,22 @@ impl Pinhole {
         let [a, b, c] = self.intrinsic;
         [a * x + b * y + self.principal_point[0], c * y + self.principal_point[1]]
     }
-}
 
-impl Camera for Pinhole {
-    #[inline]
-    fn project(&self, point: [f64; 3]) -> [f64; 2] {
-        let (retinal, _) = self.retinal(point);
-        self.pixel(match &self.distortion {
-            Some(lens) => lens.distort(retinal),
-            None => retinal,
-        })
+    /// A world point as seen through a lens.
+    #[inline(always)]
+    fn project_through(&self, lens: impl Fn([f64; 2]) -> [f64; 2], point: [f64; 3]) -> [f64; 2] {
+        self.pixel(lens(self.retinal(point).0))
     }
 
-    #[inline]
-    fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
+    /// The same and its derivatives, of a lens that gives its own.
+    #[inline(always)]
+    fn project_through_with_jacobian(
+        &self,
+        lens: impl Fn([f64; 2]) -> ([f64; 2], [[f64; 2]; 2]),
+        point: [f64; 3],
+    ) -> ([f64; 2], [[f64; 3]; 2]) {
         let (retinal, inverse_depth) = self.retinal(point);
-        let (seen, lens) = match &self.distortion {
-            Some(lens) => lens.distort_with_jacobian(retinal),
-            None => (retinal, [[1.0, 0.0], [0.0, 1.0]]),
-        };
+        let (seen, lens) = lens(retinal);
         let [a, b, c] = self.intrinsic;
         let pixel_by_retinal =
             [[a * lens[0][0] + b * lens[1][0], a * lens[0][1] + b * lens[1][1]], [c * lens[1][0], c * lens[1][1]]];
@@ -184,6 +184,59 @@ impl Camera for Pinhole {
         let jacobian = pixel_by_retinal
             .map(|[px, py]| std::array::from_fn(|d| px * retinal_by_world[0][d] + py * retinal_by_world[1][d]));
         (self.pixel(seen), jacobian)
+    }
+}
+
+impl Camera for Pinhole {
+    #[inline]
+    fn project(&self, point: [f64; 3]) -> [f64; 2] {
+        match &self.distortion {
+            Some(lens) => self.project_through(|retinal| lens.distort(retinal), point),
+            None => self.project_through(|retinal| retinal, point),
+        }
+    }
+
+    #[inline]
+    fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
+        match &self.distortion {
+            Some(lens) => self.project_through_with_jacobian(|retinal| lens.distort_with_jacobian(retinal), point),
+            None => self.project_through_with_jacobian(|retinal| (retinal, IDENTITY), point),
+        }
+    }
+
+    fn project_batch(&self, x: &[f64], y: &[f64], z: &[f64], u: &mut [f64], v: &mut [f64]) {
+        let (points, pixels) = ([x, y, z], [u, v]);
+        match &self.distortion {
+            None => project_each(|point| self.project_through(|retinal| retinal, point), points, pixels),
+            Some(Distortion::Brown(lens)) => {
+                project_each(|point| self.project_through(|retinal| lens.distort(retinal), point), points, pixels);
+            }
+            Some(_) => project_each(|point| self.project(point), points, pixels),
+        }
+    }
+
+    fn project_with_jacobian_batch(
+        &self,
+        x: &[f64],
+        y: &[f64],
+        z: &[f64],
+        u: &mut [f64],
+        v: &mut [f64],
+        jacobian: &mut [[&mut [f64]; 3]; 2],
+    ) {
+        let (points, pixels) = ([x, y, z], [u, v]);
+        match &self.distortion {
+            None => {
+                let project = |point| self.project_through_with_jacobian(|retinal| (retinal, IDENTITY), point);
+                project_each_with_jacobian(project, points, pixels, jacobian);
+            }
+            Some(Distortion::Brown(lens)) => {
+                let lens = |retinal| (lens.distort(retinal), lens.jacobian(retinal));
+                let project = |point| self.project_through_with_jacobian(lens, point);
+                project_each_with_jacobian(project, points, pixels, jacobian);
+            }
+            Some(_) => project_each_with_jacobian(|point| self.project_with_jacobian(point), points, pixels, jacobian),
+        }
     }
 
     fn is_beyond_fold(&self, point: [f64; 3]) -> bool {

@@ -55,19 +55,18 @@ pub(crate) const BSPLINE5: Kernel<3> = Kernel {
 impl<const HALF: usize> Kernel<HALF> {
     /// Weights of the taps at each distance `s` from the middle.
     #[inline(always)]
-    pub(crate) fn weights<const FUSED: bool>(&self, s: &Lane, out: &mut [Lane]) {
-        for i in 0..HALF {
-            let (even, odd) = (&self.even[i], &self.odd[i]);
-            let (first, last) = pair(out, i, HALF);
-            for k in 0..BLOCK {
-                let square = s[k] * s[k];
+    pub(crate) fn weights<const FUSED: bool, const TAPS: usize>(&self, s: &Lane, out: &mut [Lane; TAPS]) {
+        for k in 0..BLOCK {
+            let square = s[k] * s[k];
+            for i in 0..HALF {
+                let (even, odd) = (&self.even[i], &self.odd[i]);
                 let (mut e, mut o) = (even[HALF - 1], odd[HALF - 1]);
                 for p in (0..HALF - 1).rev() {
                     e = fused::<FUSED>(e, square, even[p]);
                     o = fused::<FUSED>(o, square, odd[p]);
                 }
-                first[k] = fused::<FUSED>(o, s[k], e);
-                last[k] = fused::<FUSED>(-o, s[k], e);
+                out[i][k] = fused::<FUSED>(o, s[k], e);
+                out[2 * HALF - 1 - i][k] = fused::<FUSED>(-o, s[k], e);
             }
         }
     }
@@ -106,15 +105,15 @@ mod tests {
     use super::*;
 
     /// Checks one kernel at one fraction; `reference(x)` is the kernel's textbook definition.
-    fn check<const HALF: usize>(kernel: &Kernel<HALF>, reference: fn(f64) -> f64, t: f32) {
-        let (mut weights, mut slopes) = ([[0.0; BLOCK]; 6], [[0.0; BLOCK]; 6]);
-        kernel.weights::<false>(&[t - 0.5; BLOCK], &mut weights[..2 * HALF]);
-        kernel.slopes::<false>(&[t - 0.5; BLOCK], &mut slopes[..2 * HALF]);
+    fn check<const HALF: usize, const TAPS: usize>(kernel: &Kernel<HALF>, reference: fn(f64) -> f64, t: f32) {
+        let (mut weights, mut slopes) = ([[0.0; BLOCK]; TAPS], [[0.0; BLOCK]; TAPS]);
+        kernel.weights::<false, TAPS>(&[t - 0.5; BLOCK], &mut weights);
+        kernel.slopes::<false>(&[t - 0.5; BLOCK], &mut slopes);
         let (weights, slopes) = (weights.map(|lane| lane[BLOCK - 1]), slopes.map(|lane| lane[BLOCK - 1]));
         assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?} do not sum to one");
         assert!(slopes.iter().sum::<f32>().abs() < 1e-5, "{slopes:?} do not sum to zero");
         let step = 1e-5;
-        for tap in 0..2 * HALF {
+        for tap in 0..TAPS {
             let distance = f64::from(t) - (tap as f64 + 1.0 - HALF as f64);
             let slope = (reference(distance + step) - reference(distance - step)) / (2.0 * step);
             assert!((f64::from(weights[tap]) - reference(distance)).abs() < 1e-6, "weight of tap {tap} at {t}");
@@ -152,10 +151,10 @@ mod tests {
         // The fraction keeps off the ends, where finite differences of the hat straddle its corner.
         #[test]
         fn weights_are_those_of_the_definitions(t in 1e-3_f32..0.999) {
-            check(&BILINEAR, hat, t);
-            check(&BICUBIC, keys, t);
-            check(&BSPLINE3, |x| bspline(3, x), t);
-            check(&BSPLINE5, |x| bspline(5, x), t);
+            check::<1, 2>(&BILINEAR, hat, t);
+            check::<2, 4>(&BICUBIC, keys, t);
+            check::<2, 4>(&BSPLINE3, |x| bspline(3, x), t);
+            check::<3, 6>(&BSPLINE5, |x| bspline(5, x), t);
         }
     }
 }

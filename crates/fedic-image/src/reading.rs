@@ -116,8 +116,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
     ) {
         let stencils = Stencils { data: self.coefficients.as_slice(), stride: self.grid.stride, first: &places.first };
         let [u, v] = &places.middle;
-        weigh::<S, HALF>(self.kernel, u, columns);
-        weigh::<S, HALF>(self.kernel, v, rows);
+        weigh::<S, HALF, TAPS>(self.kernel, u, columns);
+        weigh::<S, HALF, TAPS>(self.kernel, v, rows);
         if READINGS == 1 {
             self.summation.sum(stencils, [&*rows], [(0, &*columns)], readings);
         } else {
@@ -210,8 +210,12 @@ fn padded(numbers: &[f32]) -> Lane {
 }
 
 #[inline(always)]
-fn weigh<S: Summation, const HALF: usize>(kernel: &Kernel<HALF>, middle: &Lane, out: &mut [Lane]) {
-    if S::FUSED { kernel.weights::<true>(middle, out) } else { kernel.weights::<false>(middle, out) }
+fn weigh<S: Summation, const HALF: usize, const TAPS: usize>(
+    kernel: &Kernel<HALF>,
+    middle: &Lane,
+    out: &mut [Lane; TAPS],
+) {
+    if S::FUSED { kernel.weights::<true, TAPS>(middle, out) } else { kernel.weights::<false, TAPS>(middle, out) }
 }
 
 #[inline(always)]

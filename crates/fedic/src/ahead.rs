@@ -7,8 +7,8 @@ use fedic_image::Interpolator;
 use fedic_mesh::Mesh;
 
 use crate::cell_view::extents;
-use crate::expansion::NodeView;
 use crate::points::Points;
+use crate::sights::Sight;
 
 /// Part of what a cell will read.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ impl<'a> Ahead<'a> {
         image: &'a Interpolator,
         mesh: &Mesh,
         cell: usize,
-        views: &[NodeView],
+        views: &[Sight],
     ) -> Option<Self> {
         if cell >= mesh.num_cells() {
             return None;

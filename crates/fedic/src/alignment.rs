@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::brightness::{Correction, Moments};
 use crate::cell_loop::for_each_cell;
-use crate::cell_view::{extents, node_views};
-use crate::expansion::NodeView;
+use crate::cell_view::{CellView, extents, node_views};
 use crate::gauss_newton::corrections;
 use crate::residual::Evaluator;
+use crate::sights::Sight;
 use crate::{COMPONENTS, Error, Monitor};
 
 /// A sample is worth reading where the mesh has this many times its cells.
@@ -91,7 +91,7 @@ impl Basis {
     fn sample(
         &self,
         evaluator: &Evaluator<'_>,
-        views: &[NodeView],
+        views: &[Sight],
         correction: Correction,
         monitor: &dyn Monitor,
     ) -> Result<Sample, Error> {
@@ -103,7 +103,8 @@ impl Basis {
             evaluator.level.sample.iter().copied(),
             monitor,
             |work, _, cell| {
-                let result = evaluator.evaluate_cell(work, cell, views, correction, true, None);
+                let view = CellView::new(mesh, cell, views, evaluator.level.camera.as_ref());
+                let result = evaluator.evaluate_cell(work, cell, &view, correction, true, None);
                 let nodes = mesh.cell(cell).nodes;
                 let dofs = nodes.len() * COMPONENTS;
                 let shares = DMatrix::from_fn(dofs, size, |row, column| {

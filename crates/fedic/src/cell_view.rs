@@ -1,40 +1,44 @@
 //! A cell as the camera sees it.
 
+use std::ops::Range;
+
 use fedic_camera::Camera;
-use fedic_mesh::{CellType, MAX_NODES, Mesh};
+use fedic_mesh::{Cell, CellType, MAX_NODES, Mesh};
 use rayon::prelude::*;
 
 use crate::COMPONENTS;
 use crate::batch::{BATCH, Batch};
 use crate::cell_quadrature::CellQuadrature;
-use crate::expansion::{Expansion, NodeView};
+use crate::expansion::{Expansion, TOGETHER, expand};
+use crate::sights::{MOST_SIGHTS, Sight, Sights};
 
 /// Where a cell's nodes are, and the polynomials that say where its points are seen, unless only the camera can.
 pub(crate) struct CellView<'a> {
     cell_type: CellType,
-    nodes: [&'a NodeView; MAX_NODES],
+    nodes: [&'a Sight; MAX_NODES],
     pub(crate) expansion: Option<Expansion>,
 }
 
 /// Every node of a mesh, displaced if asked, as the camera sees it.
-pub(crate) fn node_views(
-    mesh: &Mesh,
-    camera: &dyn Camera,
-    displacement: Option<&[[f64; COMPONENTS]]>,
-) -> Vec<NodeView> {
-    let view = |(node, &point): (usize, &[f64; 3])| {
-        let mut place = point;
-        if let Some(displacement) = displacement {
-            place.iter_mut().zip(displacement[node]).for_each(|(x, u)| *x += u);
-        }
-        let (pixel, jacobian) = camera.project_with_jacobian(place);
-        NodeView { place, pixel, jacobian }
-    };
-    mesh.points().par_iter().enumerate().map(view).collect()
+pub(crate) fn node_views(mesh: &Mesh, camera: &dyn Camera, displacement: Option<&[[f64; COMPONENTS]]>) -> Vec<Sight> {
+    let mut views = vec![Sight::default(); mesh.num_nodes()];
+    views.par_chunks_mut(MOST_SIGHTS).enumerate().for_each(|(chunk, views)| {
+        let nodes = chunk * MOST_SIGHTS..mesh.num_nodes();
+        let places = nodes.map(|node| {
+            let mut place = mesh.points()[node];
+            if let Some(displacement) = displacement {
+                place.iter_mut().zip(displacement[node]).for_each(|(x, u)| *x += u);
+            }
+            place
+        });
+        let sights = Sights::new(camera, places);
+        views.iter_mut().enumerate().for_each(|(k, view)| *view = sights.at(k));
+    });
+    views
 }
 
 /// Least and greatest pixel coordinate of some nodes, along `u` and along `v`.
-pub(crate) fn extents<'a>(views: impl Iterator<Item = &'a NodeView>) -> [[f64; 2]; 2] {
+pub(crate) fn extents<'a>(views: impl Iterator<Item = &'a Sight>) -> [[f64; 2]; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     views.fold([none; 2], |extents, view| {
         [0, 1].map(|c| {
@@ -45,11 +49,15 @@ pub(crate) fn extents<'a>(views: impl Iterator<Item = &'a NodeView>) -> [[f64; 2
 }
 
 impl<'a> CellView<'a> {
-    pub(crate) fn new(mesh: &Mesh, cell: usize, views: &'a [NodeView], camera: &dyn Camera) -> Self {
-        let cell = mesh.cell(cell);
+    pub(crate) fn new(mesh: &Mesh, cell: usize, views: &'a [Sight], camera: &dyn Camera) -> Self {
+        let mut expansion = [None];
+        expand(std::iter::once(mesh.cell(cell)), views, camera, &mut expansion);
+        Self::expanded(mesh.cell(cell), views, expansion[0])
+    }
+
+    fn expanded(cell: Cell<'_>, views: &'a [Sight], expansion: Option<Expansion>) -> Self {
         let mut nodes = [&views[cell.nodes[0] as usize]; MAX_NODES];
         nodes.iter_mut().zip(cell.nodes).for_each(|(view, &node)| *view = &views[node as usize]);
-        let expansion = Expansion::new(cell.cell_type, &nodes[..cell.nodes.len()], camera);
         Self { cell_type: cell.cell_type, nodes, expansion }
     }
 
@@ -60,7 +68,7 @@ impl<'a> CellView<'a> {
         quadrature: &CellQuadrature,
         cell: usize,
         camera: &dyn Camera,
-        mut use_batch: impl FnMut(&mut Batch, std::ops::Range<usize>),
+        mut use_batch: impl FnMut(&mut Batch, Range<usize>),
     ) {
         let count = quadrature.range(cell).len();
         let places = self.nodes.map(|node| node.place);
@@ -70,5 +78,29 @@ impl<'a> CellView<'a> {
             batch.project_with_jacobian(camera, &places[..self.cell_type.num_nodes()]);
             use_batch(batch, points);
         }
+    }
+}
+
+/// Cells that follow one another, expanded together.
+#[derive(Default)]
+pub(crate) struct CellsInTurn {
+    cells: Range<usize>,
+    expansions: [Option<Expansion>; TOGETHER],
+}
+
+impl CellsInTurn {
+    /// A cell as the camera sees it, where `views` are those of all calls before.
+    pub(crate) fn view<'a>(
+        &mut self,
+        mesh: &Mesh,
+        cell: usize,
+        views: &'a [Sight],
+        camera: &dyn Camera,
+    ) -> CellView<'a> {
+        if !self.cells.contains(&cell) {
+            self.cells = cell..mesh.num_cells().min(cell + TOGETHER);
+            expand(self.cells.clone().map(|cell| mesh.cell(cell)), views, camera, &mut self.expansions);
+        }
+        CellView::expanded(mesh.cell(cell), views, self.expansions[cell - self.cells.start])
     }
 }

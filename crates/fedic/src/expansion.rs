@@ -4,47 +4,25 @@
 //! give one that the points of a cell evaluate in a few multiplications, from tables that cells of one subdivision share. The
 //! polynomial is compared with the camera itself where it can be worst; a cell where they differ is left to the camera.
 
-use std::sync::OnceLock;
+use std::array::from_fn;
 
 use fedic_camera::Camera;
-use fedic_mesh::{CellType, MAX_NODES, shape_gradients, shape_values};
-use nalgebra::{DMatrix, DVector};
+use fedic_mesh::{Cell, MAX_NODES};
 
-use crate::simd::combination;
+use crate::fit::{Check, DATA, Fit, MONOMIALS, MOST_CHECKS, Polynomial, UP_TO_DEGREE};
+use crate::sights::{MOST_SIGHTS, Sight, Sights};
+use crate::simd::combinations;
 
-/// Monomials `xi^i eta^j` besides the constant, by degree.
-const EXPONENTS: [[i32; 2]; MONOMIALS] =
-    [[1, 0], [0, 1], [2, 0], [1, 1], [0, 2], [3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
-/// Number of monomials up to degree 4, the constant left out.
-pub(crate) const MONOMIALS: usize = 14;
-/// Numbers of monomials up to each degree.
-const UP_TO_DEGREE: [usize; 4] = [2, 5, 9, 14];
-/// Rows of a fit that give the coefficients of `xi^4` and `eta^4`.
-const X4: usize = 10;
-const Y4: usize = 14;
+/// Most cells expanded together: as many as the camera sees at once, centres and checks.
+pub(crate) const TOGETHER: usize = MOST_SIGHTS / (1 + MOST_CHECKS);
 /// Coefficients that add up to less than this, in pixels, are left out.
 const NEGLIGIBLE: f64 = 1e-6;
 /// Largest difference from the camera's Jacobian, relative: it only weighs residuals. For a camera of poor precision, this many
 /// times the precision.
 const JACOBIAN_TOLERANCE: f64 = 1e-4;
 const JACOBIAN_PER_PRECISION: f64 = 10.0;
-
-/// Singular values below this count as zero.
-const RANK: f64 = 1e-10;
-
-/// Coefficients of the constant and of each monomial, and a zero that fills the last vector.
-pub(crate) type Polynomial = [f64; MONOMIALS + 2];
-
-/// Values, then slopes along `xi`, then along `eta`, at each node; then the value at the centre.
-const DATA: usize = 3 * MAX_NODES + 1;
-
-/// A node where it is, as the camera sees it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct NodeView {
-    pub(crate) place: [f64; 3],
-    pub(crate) pixel: [f64; 2],
-    pub(crate) jacobian: [[f64; 3]; 2],
-}
+/// Largest pixel coordinate, in magnitude, near which a polynomial is of use.
+const FARTHEST: f64 = 2e9;
 
 /// Polynomials over a cell.
 #[derive(Debug, Clone, Copy)]
@@ -61,236 +39,147 @@ pub(crate) struct Expansion {
     pub(crate) jacobian: [[f32; 3]; 4],
 }
 
-/// All monomials but the constant at a point.
-pub(crate) fn monomials([xi, eta]: [f64; 2]) -> [f64; MONOMIALS] {
-    let mut values = [0.0; MONOMIALS];
-    for (value, [i, j]) in values.iter_mut().zip(EXPONENTS) {
-        *value = xi.powi(i) * eta.powi(j);
+/// Finds the polynomials over up to [`TOGETHER`] cells; `None` over those that only the camera can follow.
+pub(crate) fn expand<'a>(
+    cells: impl Iterator<Item = Cell<'a>> + Clone,
+    views: &[Sight],
+    camera: &dyn Camera,
+    expansions: &mut [Option<Expansion>],
+) {
+    let each = expansions.iter_mut().zip(cells.clone());
+    if let Some(jacobian) = camera.constant_jacobian() {
+        each.for_each(|(expansion, cell)| *expansion = Draft::affine(cell, views, jacobian).finished());
+        return;
     }
-    values
-}
-
-/// The linear maps from what is known at the nodes of a cell to the coefficients.
-struct Fit {
-    num_nodes: usize,
-    /// What each datum adds to the coefficients: of the constant, then of each monomial.
-    pixel: [Polynomial; DATA],
-    /// The same of the values at the nodes alone: what the shape functions are made of.
-    shape: [Polynomial; MAX_NODES],
-    jacobian: [[f64; 3]; MAX_NODES],
-    /// Derivatives of the shape functions at each node.
-    gradients: [[[f64; 2]; MAX_NODES]; MAX_NODES],
-    centre_shape: [f64; MAX_NODES],
-    /// Where the polynomial is compared with a smooth camera, and with one made of pieces.
-    smooth_check: Vec<Check>,
-    piece_checks: Vec<Check>,
-}
-
-/// A point of the reference cell: its monomials and shape functions.
-struct Check {
-    monomials: [f64; MONOMIALS],
-    shape: [f64; MAX_NODES],
-}
-
-impl Fit {
-    fn of(cell_type: CellType) -> &'static Self {
-        static FITS: OnceLock<Vec<Fit>> = OnceLock::new();
-        &FITS.get_or_init(|| CellType::ALL.into_iter().map(Self::new).collect())[cell_type as usize]
-    }
-
-    fn new(cell_type: CellType) -> Self {
-        let nodes = cell_type.reference_nodes();
-        let n = nodes.len();
-        let centre = cell_type.reference_centre();
-        // As many as the data tell apart: corners and centre do not know a fourth power from a second.
-        let used: Vec<usize> = match cell_type {
-            CellType::Triangle => (0..=UP_TO_DEGREE[2]).collect(),
-            CellType::Quad => (0..=MONOMIALS).filter(|&m| m != X4 && m != Y4).collect(),
-            CellType::Triangle6 | CellType::Quad8 | CellType::Quad9 => (0..=MONOMIALS).collect(),
-        };
-        let powers = |m: usize| if m == 0 { [0, 0] } else { EXPONENTS[m - 1] };
-        let known = DMatrix::from_fn(3 * n + 1, used.len(), |row, column| {
-            let ([i, j], [xi, eta]) = (powers(used[column]), if row < 3 * n { nodes[row % n] } else { centre });
-            let power = |x: f64, p: i32| if p < 0 { 0.0 } else { x.powi(p) };
-            match row / n {
-                1 => f64::from(i) * power(xi, i - 1) * power(eta, j),
-                2 => f64::from(j) * power(xi, i) * power(eta, j - 1),
-                _ => power(xi, i) * power(eta, j),
-            }
-        });
-        let mut fit = Self {
-            num_nodes: n,
-            pixel: [Polynomial::default(); DATA],
-            shape: [Polynomial::default(); MAX_NODES],
-            jacobian: [[0.0; 3]; MAX_NODES],
-            gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
-            centre_shape: [0.0; MAX_NODES],
-            smooth_check: Vec::new(),
-            piece_checks: Vec::new(),
-        };
-        let svd = known.svd(true, true);
-        for datum in 0..=3 * n {
-            let mut unit = DVector::zeros(3 * n + 1);
-            unit[datum] = 1.0;
-            if let Ok(column) = svd.solve(&unit, RANK) {
-                used.iter().zip(column.iter()).for_each(|(&m, &value)| fit.pixel[datum][m] = value);
-            }
-        }
-        let linear = DMatrix::from_fn(n, 3, |row, column| [1.0, nodes[row][0], nodes[row][1]][column]).svd(true, true);
-        for node in 0..n {
-            let mut unit = DVector::zeros(n);
-            unit[node] = 1.0;
-            if let Ok(column) = linear.solve(&unit, RANK) {
-                (0..3).for_each(|m| fit.jacobian[node][m] = column[m]);
-            }
-            fit.gradients[node] = shape_gradients(cell_type, nodes[node]);
-        }
-        let shape_at_centre = shape_values(cell_type, centre);
-        for m in 0..=MONOMIALS {
-            for node in 0..n {
-                // A shape function has its own slopes at the nodes and its own value at the centre.
-                let mut coefficient = fit.pixel[node][m] + fit.pixel[3 * n][m] * shape_at_centre[node];
-                for at in 0..n {
-                    let [xi, eta] = fit.gradients[at][node];
-                    coefficient += fit.pixel[n + at][m] * xi + fit.pixel[2 * n + at][m] * eta;
-                }
-                fit.shape[node][m] = coefficient;
-            }
-        }
-        // Half way from the centre to the edges of a quad the errors of a piece are as large as anywhere.
-        let (smooth, pieces): ([f64; 2], &[[f64; 2]]) = match cell_type.is_triangle() {
-            true => ([0.5, 0.25], &[[0.5, 0.25], [0.25, 0.5], [0.25, 0.25]]),
-            false => ([0.5, 0.5], &[[0.0, 0.5], [0.0, -0.5], [0.5, 0.0], [-0.5, 0.0]]),
-        };
-        let check = |&at: &[f64; 2]| Check { monomials: monomials(at), shape: shape_values(cell_type, at) };
-        fit.centre_shape = shape_at_centre;
-        fit.smooth_check = vec![check(&smooth)];
-        fit.piece_checks = pieces.iter().map(check).collect();
-        fit
+    let in_pieces = camera.is_in_pieces();
+    let asked = cells.take(TOGETHER).flat_map(|cell| {
+        let fit = Fit::of(cell.cell_type);
+        let shapes = std::iter::once(&fit.centre_shape).chain(fit.checks(in_pieces).iter().map(|check| &check.shape));
+        shapes.map(move |shape| interpolate(shape, cell, views))
+    });
+    let sights = Sights::new(camera, asked);
+    let (precision, mut centre) = (camera.precision(), 0);
+    for (expansion, cell) in each {
+        let fit = Fit::of(cell.cell_type);
+        let draft = match cell.nodes.len() {
+            3 => Draft::new::<3>,
+            4 => Draft::new::<4>,
+            6 => Draft::new::<6>,
+            8 => Draft::new::<8>,
+            _ => Draft::new::<MAX_NODES>,
+        }(fit, cell.nodes, views, sights.at(centre).pixel);
+        let checks = fit.checks(in_pieces);
+        let agrees = checks.iter().zip(centre + 1..).all(|(check, k)| draft.agrees(check, &sights.at(k), precision));
+        *expansion = if agrees { draft.finished() } else { None };
+        centre += 1 + checks.len();
     }
 }
 
-impl Expansion {
-    /// The polynomials over a cell with these nodes, or `None` where they are too far from the camera.
-    pub(crate) fn new(cell_type: CellType, nodes: &[&NodeView], camera: &dyn Camera) -> Option<Self> {
-        let fit = Fit::of(cell_type);
-        let constant = camera.constant_jacobian().is_some();
-        let n = fit.num_nodes as f64;
-        let mut centre = [0.0; 2];
-        for node in nodes {
-            (0..2).for_each(|c| centre[c] += node.pixel[c] / n);
-        }
-        if !centre.iter().all(|c| c.abs() < f64::from(i32::MAX)) {
-            return None;
-        }
-        let origin = centre.map(f64::round);
-        let mut jacobian = [[0.0; 3]; 4];
-        let coefficients;
-        if constant {
-            let mut values = [[0.0; MAX_NODES]; 2];
-            for (a, node) in nodes.iter().enumerate() {
-                (0..2).for_each(|c| values[c][a] = node.pixel[c] - origin[c]);
-            }
-            coefficients = values.map(|values| combination(&values[..nodes.len()], &fit.shape));
-            for entry in 0..4 {
-                jacobian[entry][0] = nodes[0].jacobian[entry / 2][entry % 2];
-            }
-        } else {
-            coefficients = fit.expand(nodes, camera, origin);
-            jacobian = fit.expand_jacobian(nodes);
-            if !fit.agrees(nodes, camera, origin, &coefficients, &jacobian) {
-                return None;
-            }
-        }
-        let terms = worth_adding(&coefficients);
-        Some(Self {
-            origin: origin.map(|c| c as isize),
-            pixel: coefficients.map(|c| std::array::from_fn(|m| c[m] as f32)),
-            remainder: coefficients.map(|c| [1, 2].map(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
-            terms,
-            jacobian: jacobian.map(|c| c.map(|c| c as f32)),
-        })
-    }
-}
-
-impl Fit {
-    fn expand(&self, nodes: &[&NodeView], camera: &dyn Camera, origin: [f64; 2]) -> [Polynomial; 2] {
-        let n = self.num_nodes;
-        let mut data = [[0.0; DATA]; 2];
-        let centre = camera.project(interpolate(&self.centre_shape, nodes));
-        (0..2).for_each(|c| data[c][3 * n] = centre[c] - origin[c]);
-        for (a, node) in nodes.iter().enumerate() {
-            let mut tangents = [[0.0; 3]; 2];
-            for (gradient, other) in self.gradients[a].iter().zip(nodes) {
-                for d in 0..3 {
-                    tangents[0][d] += gradient[0] * other.place[d];
-                    tangents[1][d] += gradient[1] * other.place[d];
-                }
-            }
-            for c in 0..2 {
-                let [x, y, z] = node.jacobian[c];
-                data[c][a] = node.pixel[c] - origin[c];
-                data[c][n + a] = x * tangents[0][0] + y * tangents[0][1] + z * tangents[0][2];
-                data[c][2 * n + a] = x * tangents[1][0] + y * tangents[1][1] + z * tangents[1][2];
-            }
-        }
-        [combination(&data[0][..=3 * n], &self.pixel), combination(&data[1][..=3 * n], &self.pixel)]
-    }
-
-    fn expand_jacobian(&self, nodes: &[&NodeView]) -> [[f64; 3]; 4] {
-        let mut jacobian = [[0.0; 3]; 4];
-        for (node, shares) in nodes.iter().zip(&self.jacobian) {
-            for entry in 0..4 {
-                for m in 0..3 {
-                    jacobian[entry][m] += node.jacobian[entry / 2][entry % 2] * shares[m];
-                }
-            }
-        }
-        jacobian
-    }
-
-    /// Whether the polynomials agree with the camera away from the nodes.
-    fn agrees(
-        &self,
-        nodes: &[&NodeView],
-        camera: &dyn Camera,
-        origin: [f64; 2],
-        coefficients: &[Polynomial; 2],
-        jacobian: &[[f64; 3]; 4],
-    ) -> bool {
-        let size = jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
-        let jacobian_tolerance = size * JACOBIAN_TOLERANCE.max(JACOBIAN_PER_PRECISION * camera.precision());
-        let checks = if camera.is_in_pieces() { &self.piece_checks } else { &self.smooth_check };
-        checks.iter().all(|check| {
-            let (seen, true_jacobian) = camera.project_with_jacobian(interpolate(&check.shape, nodes));
-            (0..2).all(|c| {
-                let monomials = coefficients[c][1..].iter().zip(&check.monomials);
-                let expanded = origin[c] + coefficients[c][0] + monomials.map(|(c, m)| c * m).sum::<f64>();
-                (expanded - seen[c]).abs() <= camera.precision()
-            }) && (0..4).all(|entry| {
-                let [constant, xi, eta] = jacobian[entry];
-                let expanded = constant + xi * check.monomials[0] + eta * check.monomials[1];
-                (expanded - true_jacobian[entry / 2][entry % 2]).abs() <= jacobian_tolerance
-            })
-        })
-    }
-}
-
-fn interpolate(shape: &[f64; MAX_NODES], nodes: &[&NodeView]) -> [f64; 3] {
+/// The point of a cell where its shape functions are these.
+fn interpolate(shape: &[f64; MAX_NODES], cell: Cell<'_>, views: &[Sight]) -> [f64; 3] {
     let mut place = [0.0; 3];
-    for (shape, node) in shape.iter().zip(nodes) {
-        (0..3).for_each(|d| place[d] += shape * node.place[d]);
+    for (shape, &node) in shape.iter().zip(cell.nodes) {
+        let node = &views[node as usize].place;
+        (0..3).for_each(|d| place[d] += shape * node[d]);
     }
     place
 }
 
+/// An expansion in double precision.
+struct Draft {
+    origin: [f64; 2],
+    pixel: [Polynomial; 2],
+    jacobian: [[f64; 3]; 4],
+}
+
+impl Draft {
+    /// Of a cell of `N` nodes, whose centre is seen at the pixel `centre`.
+    fn new<const N: usize>(fit: &Fit, nodes: &[u32], views: &[Sight], centre: [f64; 2]) -> Self {
+        let nodes: [&Sight; N] = from_fn(|a| &views[nodes[a] as usize]);
+        let origin = centre.map(f64::trunc);
+        let mut data = [[0.0; DATA]; 2];
+        let mut jacobian = [[0.0; 3]; 4];
+        for c in 0..2 {
+            data[c][3 * N] = centre[c] - origin[c];
+        }
+        for a in 0..N {
+            let mut tangents = [[0.0; 3]; 2];
+            for b in 0..N {
+                for (tangent, slope) in tangents.iter_mut().zip(fit.gradients[a][b]) {
+                    (0..3).for_each(|d| tangent[d] += slope * nodes[b].place[d]);
+                }
+            }
+            for c in 0..2 {
+                let [x, y, z] = nodes[a].jacobian[c];
+                data[c][a] = nodes[a].pixel[c] - origin[c];
+                for (direction, tangent) in tangents.iter().enumerate() {
+                    data[c][(1 + direction) * N + a] = x * tangent[0] + y * tangent[1] + z * tangent[2];
+                }
+                for (d, slope) in [x, y].into_iter().enumerate() {
+                    (0..3).for_each(|m| jacobian[2 * c + d][m] += slope * fit.jacobian[a][m]);
+                }
+            }
+        }
+        let data = data.each_ref().map(|data| &data[..=3 * N]);
+        Self { origin, pixel: combinations(data, &fit.pixel[..=3 * N]), jacobian }
+    }
+
+    /// Of a cell before a camera whose Jacobian is the same everywhere.
+    fn affine(cell: Cell<'_>, views: &[Sight], jacobian: [[f64; 3]; 2]) -> Self {
+        let fit = Fit::of(cell.cell_type);
+        let n = cell.nodes.len();
+        let origin = views[cell.nodes[0] as usize].pixel.map(f64::trunc);
+        let mut values = [[0.0; MAX_NODES]; 2];
+        for (a, &node) in cell.nodes.iter().enumerate() {
+            (0..2).for_each(|c| values[c][a] = views[node as usize].pixel[c] - origin[c]);
+        }
+        let pixel = combinations(values.each_ref().map(|values| &values[..n]), &fit.shape[..n]);
+        Self { origin, pixel, jacobian: from_fn(|entry| [jacobian[entry / 2][entry % 2], 0.0, 0.0]) }
+    }
+
+    /// Whether it agrees with what the camera sees at a point.
+    fn agrees(&self, check: &Check, sight: &Sight, precision: f64) -> bool {
+        let size = self.jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
+        let jacobian_tolerance = size * JACOBIAN_TOLERANCE.max(JACOBIAN_PER_PRECISION * precision);
+        let same_pixel = (0..2).all(|c| {
+            let [constant, factors @ ..] = &self.pixel[c];
+            let monomials = factors.iter().zip(&check.monomials).map(|(factor, monomial)| factor * monomial);
+            (self.origin[c] + constant + monomials.sum::<f64>() - sight.pixel[c]).abs() <= precision
+        });
+        let same_jacobian = (0..4).all(|entry| {
+            let [constant, xi, eta] = self.jacobian[entry];
+            let expanded = constant + xi * check.monomials[0] + eta * check.monomials[1];
+            (expanded - sight.jacobian[entry / 2][entry % 2]).abs() <= jacobian_tolerance
+        });
+        same_pixel && same_jacobian
+    }
+
+    /// In single precision; `None` where it is not near the image.
+    fn finished(&self) -> Option<Expansion> {
+        self.origin.iter().all(|c| c.abs() < FARTHEST).then(|| Expansion {
+            origin: self.origin.map(|c| c as isize),
+            pixel: self.pixel.map(|c| from_fn(|m| c[m] as f32)),
+            remainder: self.pixel.map(|c| [1, 2].map(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
+            terms: worth_adding(&self.pixel),
+            jacobian: self.jacobian.map(|c| c.map(|c| c as f32)),
+        })
+    }
+}
+
 /// The fewest monomials, up to a whole degree, beyond which coefficients add up to nothing: a monomial is at most one.
 fn worth_adding(coefficients: &[Polynomial; 2]) -> usize {
-    let rest = |terms: usize| {
-        let beyond = |c: &Polynomial| c[terms + 1..].iter().map(|c| c.abs()).sum::<f64>();
-        coefficients.iter().map(beyond).fold(0.0, f64::max)
-    };
-    UP_TO_DEGREE.into_iter().find(|&terms| rest(terms) <= NEGLIGIBLE).unwrap_or(MONOMIALS)
+    let mut terms = MONOMIALS;
+    let mut beyond = [0.0; 2];
+    for fewer in UP_TO_DEGREE.into_iter().rev() {
+        for (beyond, c) in beyond.iter_mut().zip(coefficients) {
+            *beyond += c[fewer + 1..=terms].iter().map(|c| c.abs()).sum::<f64>();
+        }
+        if beyond[0].max(beyond[1]) > NEGLIGIBLE {
+            break;
+        }
+        terms = fewer;
+    }
+    terms
 }
 
 #[cfg(test)]
@@ -301,9 +190,10 @@ mod tests {
         BrownDistortion, Distortion, InverseSplineDistortion, Pinhole, SplineDistortion, SplineField,
         rotation_from_vector,
     };
-    use fedic_mesh::map;
+    use fedic_mesh::{CellType, map};
 
     use super::*;
+    use crate::fit::monomials;
 
     fn tilted(focal: f64, radial: f64) -> Pinhole {
         let lens = BrownDistortion::new([radial, 0.05, 0.0], [1e-3, -5e-4], [1e-4, 0.0]).unwrap();
@@ -312,19 +202,22 @@ mod tests {
     }
 
     /// A slightly warped cell of this half-size, in pixels, seen by a camera of one pixel per unit at its centre.
-    fn warped(cell: CellType, half: f64, camera: &dyn Camera) -> Vec<NodeView> {
+    fn warped(cell: CellType, half: f64, camera: &dyn Camera) -> Vec<Sight> {
         let warp = |i: usize, phase: f64| 0.01 * half * (phase * i as f64).sin();
         let place =
             |(i, [x, y]): (usize, &[f64; 2])| [300.0 + half * x + warp(i, 1.7), -200.0 + half * y + warp(i, 2.7), 0.0];
         let view = |place| {
             let (pixel, jacobian) = camera.project_with_jacobian(place);
-            NodeView { place, pixel, jacobian }
+            Sight { place, pixel, jacobian }
         };
         cell.reference_nodes().iter().enumerate().map(|node| view(place(node))).collect()
     }
 
-    fn expand(cell: CellType, nodes: &[NodeView], camera: &dyn Camera) -> Option<Expansion> {
-        Expansion::new(cell, &nodes.iter().collect::<Vec<_>>(), camera)
+    fn expand_one(cell_type: CellType, views: &[Sight], camera: &dyn Camera) -> Option<Expansion> {
+        let nodes: Vec<u32> = (0..views.len() as u32).collect();
+        let mut expansion = [None];
+        expand(std::iter::once(Cell { cell_type, nodes: &nodes }), views, camera, &mut expansion);
+        expansion[0]
     }
 
     fn points_of(cell: CellType) -> impl Iterator<Item = [f64; 2]> {
@@ -335,7 +228,7 @@ mod tests {
     }
 
     /// Largest differences from the camera: in pixels, and of the Jacobian.
-    fn differences(cell: CellType, nodes: &[NodeView], camera: &dyn Camera, expansion: &Expansion) -> [f64; 2] {
+    fn differences(cell: CellType, nodes: &[Sight], camera: &dyn Camera, expansion: &Expansion) -> [f64; 2] {
         let places: Vec<[f64; 3]> = nodes.iter().map(|node| node.place).collect();
         let mut worst = [0.0_f64; 2];
         for at in points_of(cell) {
@@ -366,7 +259,7 @@ mod tests {
             for cell in CellType::ALL {
                 for half in [5.0, 10.0, 40.0] {
                     let nodes = warped(cell, half, &camera);
-                    if let Some(expansion) = expand(cell, &nodes, &camera) {
+                    if let Some(expansion) = expand_one(cell, &nodes, &camera) {
                         let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
                         assert!(pixel < 2.5e-6 && jacobian < 4e-4, "{cell}, {half}: {pixel:e} px, {jacobian:e}");
                         expanded += 1;
@@ -416,7 +309,7 @@ mod tests {
                             (node.pixel, node.jacobian) = camera.project_with_jacobian(node.place);
                         }
                         cells += 1;
-                        if let Some(expansion) = expand(cell, &nodes, &camera) {
+                        if let Some(expansion) = expand_one(cell, &nodes, &camera) {
                             expanded += 1;
                             let found = differences(cell, &nodes, &camera, &expansion);
                             worst = [worst[0].max(found[0]), worst[1].max(found[1])];
@@ -434,7 +327,7 @@ mod tests {
         let camera = fedic_camera::FrontParallel::new(1.0, [12_000.3, 15_000.7]).unwrap();
         for cell in CellType::ALL {
             let nodes = warped(cell, 10.0, &camera);
-            let expansion = expand(cell, &nodes, &camera).unwrap();
+            let expansion = expand_one(cell, &nodes, &camera).unwrap();
             let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
             assert!(pixel < 6e-7 && jacobian == 0.0, "{cell}: {pixel:e} px, {jacobian:e}");
         }

@@ -1,7 +1,7 @@
 //! Gauss-Newton iterations on one level.
 
-use crate::expansion::NodeView;
 use crate::residual::{Evaluation, Evaluator};
+use crate::sights::Sight;
 use crate::{COMPONENTS, Error, Hessian, Iteration, Monitor, Progress, SolveError, Stage};
 
 /// How the iterations run on a level.
@@ -100,8 +100,8 @@ impl Iterations {
 }
 
 /// Length in pixels of the correction of each node.
-pub(crate) fn corrections(views: &[NodeView], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
-    let length = |(view, step): (&NodeView, &[f64; COMPONENTS])| {
+pub(crate) fn corrections(views: &[Sight], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
+    let length = |(view, step): (&Sight, &[f64; COMPONENTS])| {
         let [du, dv] = view.jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
         du.hypot(dv)
     };

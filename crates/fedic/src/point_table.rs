@@ -2,7 +2,7 @@
 
 use fedic_mesh::{CellType, MAX_NODES, Subdivision, shape_values_batch};
 
-use crate::expansion::{MONOMIALS, monomials};
+use crate::fit::{MONOMIALS, monomials};
 use crate::row::Row;
 
 /// Rows are padded to a multiple of this many points, so that no vector is cut short.

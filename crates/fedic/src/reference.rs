@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use crate::brightness::{Moments, counted_from};
 use crate::cell_quadrature::CellQuadrature;
 use crate::cell_view::CellView;
-use crate::expansion::NodeView;
 use crate::hessian::CellHessian;
 use crate::point_table::PART;
 use crate::points::CellPointsMut;
-use crate::simd::{IDENTITY, Readings, moments, positions, pull_back, residual_sums};
+use crate::sights::Sight;
+use crate::simd::{Readings, moments, node_sums, positions, pull_back, weighted_residuals};
 use crate::work::Work;
 use crate::{COMPONENTS, Sampler};
 
@@ -28,7 +28,7 @@ pub(crate) struct ReferenceReader<'a> {
     pub(crate) camera: &'a dyn Camera,
     pub(crate) quadrature: &'a CellQuadrature,
     pub(crate) image: &'a Sampler,
-    pub(crate) views: &'a [NodeView],
+    pub(crate) views: &'a [Sight],
     /// Grey level from which moments are counted.
     pub(crate) pivot: f32,
 }
@@ -53,7 +53,7 @@ impl ReferenceReader<'_> {
         scale: f64,
     ) -> CellReading {
         let count = self.quadrature.range(cell).len();
-        let view = CellView::new(self.mesh, cell, self.views, self.camera);
+        let view = work.cells.view(self.mesh, cell, self.views, self.camera);
         work.resize(count);
         self.read(work, cell, &view, rows.value);
         let CellPointsMut { value, weights, .. } = &mut rows;
@@ -140,22 +140,16 @@ impl ReferenceReader<'_> {
             let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
             let [x, y] = work.q.each_mut().map(|q| &mut q[part.clone()]);
             if let Some(expansion) = &view.expansion {
-                x.copy_from_slice(&work.gradient[0][part.clone()]);
-                y.copy_from_slice(&work.gradient[1][part.clone()]);
-                pull_back(rows, &expansion.jacobian, [&mut *x, &mut *y]);
+                let gradient = work.gradient.each_ref().map(|along| &along[part.clone()]);
+                pull_back(rows, &expansion.jacobian, gradient, [&mut *x, &mut *y]);
             }
             hessian.add(rows, [x, y], weights);
             let value = &value[part];
-            for (sums, (signal, offset)) in brightness.iter_mut().zip([(value, self.pivot), (rows.ones(), 0.0)]) {
-                let readings = Readings {
-                    reference: signal,
-                    gradient: [x, y],
-                    deformed: value,
-                    weights,
-                    jacobian: &IDENTITY,
-                    correction: [0.0, offset],
-                };
-                let (part, _) = residual_sums(rows, readings);
+            let weighted = &mut work.weighted[..rows.padded()];
+            let from_pivot = [0.0, self.pivot];
+            weighted_residuals(Readings { reference: value, deformed: value, weights, correction: from_pivot }, weighted);
+            for (sums, factors) in brightness.iter_mut().zip([&*weighted, weights]) {
+                let part = node_sums(rows, [&*x, &*y], factors);
                 sums.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(sum, p)| *sum += scale * p);
             }
             levels.iter_mut().zip(moments(value, weights, from)).for_each(|(sum, part)| *sum += part);
@@ -185,7 +179,7 @@ pub(crate) fn weighing(mesh: &Mesh, quadrature: &CellQuadrature, may_drop: bool)
 }
 
 /// Mean grey level at some nodes: any number near the mean serves as pivot.
-pub(crate) fn typical_level(image: &Sampler, views: &[NodeView]) -> f32 {
+pub(crate) fn typical_level(image: &Sampler, views: &[Sight]) -> f32 {
     let some = views.iter().step_by(views.len().div_ceil(PIVOT_NODES).max(1));
     let (u, v): (Vec<f64>, Vec<f64>) = some.map(|view| (view.pixel[0], view.pixel[1])).unzip();
     let mut levels = vec![0.0; u.len()];

@@ -8,12 +8,12 @@ use crate::ahead::{Ahead, Share};
 use crate::brightness::{Correction, FLAT, Moments, counted_from};
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::{CellView, node_views};
-use crate::expansion::NodeView;
 use crate::hessian::CellHessian;
 use crate::level::Level;
 use crate::point_table::PART;
 use crate::points::CellPoints;
-use crate::simd::{IDENTITY, Readings, from_steps, moments, positions, pull_back, residual_sums};
+use crate::sights::Sight;
+use crate::simd::{Readings, moments, node_sums, positions, pull_back, weighted_residuals};
 use crate::system::System;
 use crate::work::{OwnTable, Work};
 use crate::{Brightness, COMPONENTS, Error, Monitor};
@@ -34,7 +34,7 @@ pub(crate) struct Evaluation {
     /// Correction of the deformed image over the mesh, its grey levels counted from the pivot; none where each cell has its own.
     pub(crate) correction: Correction,
     /// The displaced nodes.
-    pub(crate) views: Vec<NodeView>,
+    pub(crate) views: Vec<Sight>,
 }
 
 /// What varies between evaluations.
@@ -69,7 +69,8 @@ impl Evaluator<'_> {
             monitor,
             |work, cell, _| {
                 let ahead = Ahead::new(&self.level.points, self.deformed, &self.system.mesh, cell + 1, &views);
-                self.evaluate_cell(work, cell, &views, guess, with_hessian, ahead.as_ref())
+                let view = work.cells.view(&self.system.mesh, cell, &views, self.level.camera.as_ref());
+                self.evaluate_cell(work, cell, &view, guess, with_hessian, ahead.as_ref())
             },
             |cell, result| {
                 self.system.add_to_nodes(cell, &result.sums, &mut right_hand_side);
@@ -227,16 +228,15 @@ impl Evaluator<'_> {
         &self,
         work: &mut Work,
         cell: usize,
-        views: &[NodeView],
+        view: &CellView<'_>,
         correction: Correction,
         with_hessian: bool,
         ahead: Option<&Ahead<'_>>,
     ) -> CellResult {
         let (mesh, level) = (&self.system.mesh, self.level);
         let cell_type = mesh.cell(cell).cell_type;
-        let view = CellView::new(mesh, cell, views, level.camera.as_ref());
         let points = level.points.cell(cell);
-        let CellReading { moments, outside } = self.read_cell(work, cell, &view, points, ahead);
+        let CellReading { moments, outside } = self.read_cell(work, cell, view, points, ahead);
         ahead.iter().for_each(|ahead| ahead.ask(Share::Value));
         let correction = match self.brightness {
             Brightness::Element => moments.correction(),
@@ -250,33 +250,28 @@ impl Evaluator<'_> {
             hessian: with_hessian.then(|| CellHessian::new(cell_type.num_nodes())),
             outside,
         };
-        let Work { own_table, grey, q, weights, .. } = work;
+        let Work { own_table, grey, q, weights, weighted, .. } = work;
         let weights = if outside { Some(&**weights) } else { points.weights };
         for first in (0..grey.len()).step_by(PART) {
             let rows = own_table.rows(&level.quadrature, cell, cell_type, first);
             let part = first..first + rows.padded();
             let [x, y] = q.each_mut().map(|q| &mut q[part.clone()]);
             let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
-            if view.expansion.is_some() {
-                let [along_u, along_v] = points.gradient.map(|along| &along[part.clone()]);
-                from_steps(along_u, points.step, x);
-                from_steps(along_v, points.step, y);
+            if let Some(expansion) = &view.expansion {
+                let jacobian = expansion.jacobian.map(|entry| entry.map(|c| points.step * c));
+                pull_back(rows, &jacobian, points.gradient.map(|along| &along[part.clone()]), [&mut *x, &mut *y]);
             }
             let readings = Readings {
                 reference: &points.value[part.clone()],
-                gradient: [&*x, &*y],
                 deformed: &grey[part],
                 weights,
-                jacobian: view.expansion.as_ref().map_or(&IDENTITY, |expansion| &expansion.jacobian),
                 correction: [gain as f32, offset as f32],
             };
-            let (sums, squares) = residual_sums(rows, readings);
-            result.squares += squares;
+            let weighted = &mut weighted[..rows.padded()];
+            result.squares += weighted_residuals(readings, weighted);
+            let sums = node_sums(rows, [&*x, &*y], weighted);
             result.sums.as_flattened_mut().iter_mut().zip(sums.as_flattened()).for_each(|(sum, part)| *sum += part);
             if let Some(hessian) = &mut result.hessian {
-                if let Some(expansion) = &view.expansion {
-                    pull_back(rows, &expansion.jacobian, [&mut *x, &mut *y]);
-                }
                 hessian.add(rows, [x, y], weights);
             }
         }

@@ -3,13 +3,13 @@
 use fedic_mesh::Mesh;
 
 use crate::cell_view::extents;
-use crate::expansion::NodeView;
+use crate::sights::Sight;
 
 /// Squares along each side of the mesh: a few hundred cells, read in a millisecond.
 const SIDE: usize = 16;
 
 /// One cell of every square of a grid over the mesh as it is seen: also of parts where cells are large and few.
-pub(crate) fn spread_cells(mesh: &Mesh, views: &[NodeView]) -> Vec<usize> {
+pub(crate) fn spread_cells(mesh: &Mesh, views: &[Sight]) -> Vec<usize> {
     let extents = extents(views.iter());
     let mut first_of = [None; SIDE * SIDE];
     for cell in 0..mesh.num_cells() {

@@ -19,10 +19,10 @@ use rayon::prelude::*;
 use crate::batch::BATCH;
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::{CellView, node_views};
-use crate::expansion::NodeView;
 use crate::hessian::CellHessian;
 use crate::level::Level;
 use crate::point_table::PART;
+use crate::sights::Sight;
 use crate::system::System;
 use crate::work::Work;
 use crate::{COMPONENTS, Error, Monitor, Options, Sampler, SolveError};
@@ -103,7 +103,7 @@ impl GatheredNoise<'_> {
         Ok(matrix)
     }
 
-    fn of_cell(&self, work: &mut Work, cell: usize, views: &[NodeView]) -> CellHessian {
+    fn of_cell(&self, work: &mut Work, cell: usize, views: &[Sight]) -> CellHessian {
         let (mesh, quadrature, camera) = (&self.system.mesh, &self.level.quadrature, self.level.camera.as_ref());
         let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
         let points = self.level.points.cell(cell);

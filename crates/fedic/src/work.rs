@@ -5,11 +5,13 @@ use fedic_mesh::CellType;
 use crate::COMPONENTS;
 use crate::batch::Batch;
 use crate::cell_quadrature::CellQuadrature;
+use crate::cell_view::CellsInTurn;
 use crate::point_table::{PADDING, PART, PointTable, Rows};
 use crate::row::Row;
 
 /// Memory of one thread, used again for every cell.
 pub(crate) struct Work {
+    pub(crate) cells: CellsInTurn,
     pub(crate) batch: Box<Batch>,
     pub(crate) own_table: OwnTable,
     /// Pixel coordinates of the points of a part, from the origin of the cell's expansion.
@@ -19,6 +21,8 @@ pub(crate) struct Work {
     pub(crate) gradient: [Row<f32>; 2],
     pub(crate) q: [Row<f32>; COMPONENTS],
     pub(crate) weights: Row<f32>,
+    /// Of the points of a part: residuals times weights.
+    pub(crate) weighted: Row<f32>,
 }
 
 /// The table of a cell that shares none, part by part.
@@ -30,6 +34,7 @@ pub(crate) struct OwnTable {
 impl Work {
     pub(crate) fn new() -> Self {
         Self {
+            cells: CellsInTurn::default(),
             batch: Batch::new(),
             own_table: OwnTable { coordinates: [vec![0.0; PART], vec![0.0; PART]], table: PointTable::default() },
             pixel: [Row::zeros(PART), Row::zeros(PART)],
@@ -37,6 +42,7 @@ impl Work {
             gradient: Default::default(),
             q: Default::default(),
             weights: Row::default(),
+            weighted: Row::zeros(PART),
         }
     }
 
