@@ -154,8 +154,8 @@ impl Interpolator {
     pub fn prefetch(&self, low: [f64; 2], high: [f64; 2]) {
         let range = |c: usize| {
             // Casts saturate, and a NaN is zero.
-            let [first, last] = [low[c].floor() as isize, high[c].ceil() as isize];
-            first.saturating_sub(REACH)..last.saturating_add(REACH + 1)
+            let [first, last] = [low[c] as isize, high[c] as isize];
+            first.saturating_sub(REACH)..last.saturating_add(REACH + 2)
         };
         self.coefficients.prefetch(range(0), range(1));
     }

@@ -135,34 +135,12 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         let fits = |origin: isize, [low, high]: [f32; 2], size: usize| {
             origin as f64 + f64::from(low) >= -0.5 && origin as f64 + f64::from(high) <= size as f64 - 0.5
         };
-        let extents = [extent(self.summation, u), extent(self.summation, v)];
-        let inside = !u.is_empty()
-            && fits(origin[0], extents[0], self.grid.width)
-            && fits(origin[1], extents[1], self.grid.height);
-        if inside {
-            self.prefetch(origin, extents, u.len());
-        }
-        inside
-    }
-
-    /// Asks the memory for what the points will read, at once: one by one, it would be waited for. Not where points are so far
-    /// apart that most of what lies between is none of theirs.
-    #[inline(always)]
-    fn prefetch(&self, origin: [isize; 2], [u, v]: [[f32; 2]; 2], count: usize) {
-        let (columns, rows) = ((u[1] - u[0]) as usize + TAPS, (v[1] - v[0]) as usize + TAPS);
-        if columns * rows > SPARSE * count {
-            return;
-        }
-        let range = |origin: isize, [low, high]: [f32; 2]| {
-            let [first, last] = [low, high].map(|x| origin + (x - 0.5).round() as isize + 1);
-            first - HALF as isize..last + HALF as isize
-        };
-        self.coefficients.prefetch(range(origin[0], u), range(origin[1], v));
+        !u.is_empty()
+            && fits(origin[0], extent(self.summation, u), self.grid.width)
+            && fits(origin[1], extent(self.summation, v), self.grid.height)
     }
 }
 
-/// Pixels per point from which on points are far apart.
-const SPARSE: usize = 16;
 /// Vectors compared side by side, so that none waits for the one before.
 const CHAINS: usize = 4;
 

@@ -1,57 +1,37 @@
-//! What the next cell will read, asked from the memory while this one is worked on.
+//! What the next cell will read of the deformed image, asked from the memory while this one is worked on.
 //!
-//! A cell reads some twenty short stretches of the image, which the processor does not foresee, and one of each number kept at
-//! its points. They are asked for a few at a time, between the steps of the cell before: all at once, they would be waited for.
+//! A cell reads some twenty short stretches of the image, which the processor does not foresee. They are asked for half at a
+//! time, between the steps of the cell before: all at once, they would be waited for longer.
 
 use fedic_image::Interpolator;
 use fedic_mesh::Mesh;
 
 use crate::cell_view::extents;
-use crate::points::Points;
 use crate::sights::Sight;
 
-/// Part of what a cell will read.
-#[derive(Clone, Copy)]
-pub(crate) enum Share {
-    Gradient,
-    UpperImage,
-    LowerImage,
-    Value,
-}
-
-/// What a cell will read.
+/// The part of an image that a cell will read.
 pub(crate) struct Ahead<'a> {
-    points: &'a Points,
     image: &'a Interpolator,
-    cell: usize,
-    /// Of its nodes.
+    /// Of the cell's nodes.
     extents: [[f64; 2]; 2],
 }
 
 impl<'a> Ahead<'a> {
-    /// Of a cell whose nodes are seen so; `None` past the last one.
-    pub(crate) fn new(
-        points: &'a Points,
-        image: &'a Interpolator,
-        mesh: &Mesh,
-        cell: usize,
-        views: &[Sight],
-    ) -> Option<Self> {
-        if cell >= mesh.num_cells() {
-            return None;
-        }
-        let extents = extents(mesh.cell(cell).nodes.iter().map(|&node| &views[node as usize]));
-        Some(Self { points, image, cell, extents })
+    /// Of the cell that comes next, if any, where nodes are seen so.
+    pub(crate) fn new(image: &'a Interpolator, mesh: &Mesh, next: Option<usize>, views: &[Sight]) -> Option<Self> {
+        let cell = mesh.cell(next.filter(|&cell| cell < mesh.num_cells())?);
+        Some(Self { image, extents: extents(cell.nodes.iter().map(|&node| &views[node as usize])) })
     }
 
-    pub(crate) fn ask(&self, share: Share) {
+    /// Asks for the upper half.
+    pub(crate) fn ask_upper(&self) {
         let [[left, right], [top, bottom]] = self.extents;
-        let middle = 0.5 * (top + bottom);
-        match share {
-            Share::Gradient => self.points.prefetch_gradient(self.cell),
-            Share::UpperImage => self.image.prefetch([left, top], [right, middle]),
-            Share::LowerImage => self.image.prefetch([left, middle], [right, bottom]),
-            Share::Value => self.points.prefetch_value(self.cell),
-        }
+        self.image.prefetch([left, top], [right, 0.5 * (top + bottom)]);
+    }
+
+    /// Asks for the lower half.
+    pub(crate) fn ask_lower(&self) {
+        let [[left, right], [top, bottom]] = self.extents;
+        self.image.prefetch([left, 0.5 * (top + bottom)], [right, bottom]);
     }
 }

@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::ahead::Ahead;
 use crate::brightness::{Correction, Moments};
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::{CellView, extents, node_views};
@@ -99,12 +100,14 @@ impl Basis {
         let size = self.terms * COMPONENTS;
         let (mut matrix, mut right_hand_side) = (DMatrix::zeros(size, size), DVector::zeros(size));
         let (mut moments, mut squares) = (Moments::default(), 0.0);
+        let cells = &evaluator.level.sample;
         for_each_cell(
-            evaluator.level.sample.iter().copied(),
+            cells.iter().copied(),
             monitor,
-            |work, _, cell| {
+            |work, index, cell| {
+                let ahead = Ahead::new(evaluator.deformed, mesh, cells.get(index + 1).copied(), views);
                 let view = CellView::new(mesh, cell, views, evaluator.level.camera.as_ref());
-                let result = evaluator.evaluate_cell(work, cell, &view, correction, true, None);
+                let result = evaluator.evaluate_cell(work, cell, &view, correction, true, ahead.as_ref());
                 let nodes = mesh.cell(cell).nodes;
                 let dofs = nodes.len() * COMPONENTS;
                 let shares = DMatrix::from_fn(dofs, size, |row, column| {

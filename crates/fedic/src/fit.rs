@@ -40,6 +40,8 @@ pub(crate) struct Fit {
     pub(crate) pixel: [Polynomial; DATA],
     /// The same of the values at the nodes alone: what the shape functions are made of.
     pub(crate) shape: [Polynomial; MAX_NODES],
+    /// The monomials, the constant counted as the first, that the shape functions are made of.
+    pub(crate) spanning: Vec<usize>,
     /// What the Jacobian at each node adds to the constant and the two slopes of a linear one.
     pub(crate) jacobian: [[f64; 3]; MAX_NODES],
     /// Derivatives of the shape functions at each node.
@@ -89,6 +91,7 @@ impl Fit {
         let mut fit = Self {
             pixel: [Polynomial::default(); DATA],
             shape: [Polynomial::default(); MAX_NODES],
+            spanning: Vec::new(),
             jacobian: [[0.0; 3]; MAX_NODES],
             gradients: [[[0.0; 2]; MAX_NODES]; MAX_NODES],
             centre_shape: [0.0; MAX_NODES],
@@ -124,6 +127,7 @@ impl Fit {
                 fit.shape[node][m] = coefficient;
             }
         }
+        fit.spanning = (0..=MONOMIALS).filter(|&m| fit.shape.iter().any(|shape| shape[m].abs() > RANK)).collect();
         // Half way from the centre to the edges of a quad the errors of a piece are as large as anywhere.
         let (smooth, pieces): ([f64; 2], &[[f64; 2]]) = match cell_type.is_triangle() {
             true => ([0.5, 0.25], &[[0.5, 0.25], [0.25, 0.5], [0.25, 0.25]]),

@@ -14,7 +14,7 @@ const MAX_SHARED: usize = 4096;
 /// Cells that must share a table for it to be worth its memory.
 const MIN_SHARING: usize = 8;
 
-/// Rows of one number per point: shape functions, monomials, ones. Past the last point they vanish.
+/// Rows of one number per point: shape functions, then the constant and the other monomials. Past the last point they vanish.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PointTable {
     num_nodes: usize,
@@ -49,10 +49,10 @@ impl PointTable {
                 }
             }
             for k in block {
+                self.rows[num_nodes * padded + k] = 1.0;
                 for (m, value) in monomials([xi[k], eta[k]]).into_iter().enumerate() {
-                    self.rows[(num_nodes + m) * padded + k] = value as f32;
+                    self.rows[(num_nodes + 1 + m) * padded + k] = value as f32;
                 }
-                self.rows[(num_nodes + MONOMIALS) * padded + k] = 1.0;
             }
         }
     }
@@ -86,14 +86,14 @@ impl<'a> Rows<'a> {
         self.row(node)
     }
 
-    /// A monomial of the reference coordinates, numbered without the constant.
+    /// A monomial of the reference coordinates; the first is the constant.
     pub(crate) fn monomial(self, m: usize) -> &'a [f32] {
         self.row(self.table.num_nodes + m)
     }
 
     /// One at every point.
     pub(crate) fn ones(self) -> &'a [f32] {
-        self.row(self.table.num_nodes + MONOMIALS)
+        self.monomial(0)
     }
 
     fn row(self, row: usize) -> &'a [f32] {

@@ -4,6 +4,7 @@ use fedic_camera::Camera;
 use fedic_mesh::{CellType, MAX_NODES, Mesh, jacobian};
 use rayon::prelude::*;
 
+use crate::ahead::Ahead;
 use crate::brightness::{Moments, counted_from};
 use crate::cell_quadrature::CellQuadrature;
 use crate::cell_view::CellView;
@@ -73,7 +74,12 @@ impl ReferenceReader<'_> {
             }
         }
         rows.keep_gradient(work.gradient.each_ref().map(|along| &**along));
-        self.sum(work, cell, &view, &rows, scale, outside)
+        let reading = self.sum(work, cell, &view, &rows, scale, outside);
+        if let Some(next) = Ahead::new(self.image.interpolator(), self.mesh, Some(cell + 1), self.views) {
+            next.ask_upper();
+            next.ask_lower();
+        }
+        reading
     }
 
     /// Grey levels at the points of a cell and, in `work.gradient`, gradients; where it has no expansion, `work.q` too.
@@ -147,9 +153,12 @@ impl ReferenceReader<'_> {
             let value = &value[part];
             let weighted = &mut work.weighted[..rows.padded()];
             let from_pivot = [0.0, self.pivot];
-            weighted_residuals(Readings { reference: value, deformed: value, weights, correction: from_pivot }, weighted);
+            weighted_residuals(
+                Readings { reference: value, deformed: value, weights, correction: from_pivot },
+                weighted,
+            );
             for (sums, factors) in brightness.iter_mut().zip([&*weighted, weights]) {
-                let part = node_sums(rows, [&*x, &*y], factors);
+                let part = node_sums(cell_type, rows, [&*x, &*y], factors);
                 sums.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(sum, p)| *sum += scale * p);
             }
             levels.iter_mut().zip(moments(value, weights, from)).for_each(|(sum, part)| *sum += part);

@@ -4,7 +4,7 @@ use fedic_image::Interpolator;
 use fedic_mesh::MAX_NODES;
 use fedic_sparse::SymmetricMatrix;
 
-use crate::ahead::{Ahead, Share};
+use crate::ahead::Ahead;
 use crate::brightness::{Correction, FLAT, Moments, counted_from};
 use crate::cell_loop::for_each_cell;
 use crate::cell_view::{CellView, node_views};
@@ -68,7 +68,7 @@ impl Evaluator<'_> {
             0..num_cells,
             monitor,
             |work, cell, _| {
-                let ahead = Ahead::new(&self.level.points, self.deformed, &self.system.mesh, cell + 1, &views);
+                let ahead = Ahead::new(self.deformed, &self.system.mesh, Some(cell + 1), &views);
                 let view = work.cells.view(&self.system.mesh, cell, &views, self.level.camera.as_ref());
                 self.evaluate_cell(work, cell, &view, guess, with_hessian, ahead.as_ref())
             },
@@ -114,13 +114,15 @@ impl Evaluator<'_> {
         let mesh = &self.system.mesh;
         let views = node_views(mesh, self.level.camera.as_ref(), Some(displacement));
         let mut moments = Moments::default();
+        let sample = &self.level.sample;
         for_each_cell(
-            self.level.sample.iter().copied(),
+            sample.iter().copied(),
             monitor,
-            |work, _, cell| {
+            |work, index, cell| {
+                let ahead = Ahead::new(self.deformed, mesh, sample.get(index + 1).copied(), &views);
                 let view = CellView::new(mesh, cell, &views, self.level.camera.as_ref());
                 let points = self.level.points.cell(cell);
-                self.read_cell(work, cell, &view, points, None).moments
+                self.read_cell(work, cell, &view, points, ahead.as_ref()).moments
             },
             |_, cell| moments.add(&cell),
         )?;
@@ -155,21 +157,17 @@ impl Evaluator<'_> {
         points: CellPoints<'_>,
         ahead: Option<&Ahead<'_>>,
     ) -> CellReading {
-        let ask = |share| ahead.iter().for_each(|ahead| ahead.ask(share));
         let level = self.level;
         let (cell_type, count) = (self.system.mesh.cell(cell).cell_type, level.quadrature.range(cell).len());
         work.resize(count);
         let (grey, q) = (&mut work.grey, &mut work.q);
-        ask(Share::Gradient);
+        level.points.prefetch_gradient(cell);
         if let Some(expansion) = &view.expansion {
             for first in (0..count).step_by(PART) {
                 let part = first..count.min(first + PART);
                 let rows = work.own_table.rows(&level.quadrature, cell, cell_type, first);
                 let [u, v] = work.pixel.each_mut().map(|row| &mut row[..rows.padded()]);
                 positions(rows, expansion, u, v);
-                if first == 0 {
-                    ask(Share::UpperImage);
-                }
                 self.deformed.values_near(expansion.origin, &u[..part.len()], &v[..part.len()], &mut grey[part]);
             }
         } else {
@@ -184,7 +182,8 @@ impl Evaluator<'_> {
                 }
             });
         }
-        ask(Share::LowerImage);
+        level.points.prefetch_value(cell);
+        ahead.iter().for_each(|ahead| ahead.ask_upper());
         let of_reference = level.moments[cell];
         let weight = of_reference.weight / points.scale;
         let [g, gg] = self.moments(&mut work.own_table, cell, &work.grey, points.weights, weight);
@@ -237,7 +236,7 @@ impl Evaluator<'_> {
         let cell_type = mesh.cell(cell).cell_type;
         let points = level.points.cell(cell);
         let CellReading { moments, outside } = self.read_cell(work, cell, view, points, ahead);
-        ahead.iter().for_each(|ahead| ahead.ask(Share::Value));
+        ahead.iter().for_each(|ahead| ahead.ask_lower());
         let correction = match self.brightness {
             Brightness::Element => moments.correction(),
             Brightness::None | Brightness::Global => correction,
@@ -269,7 +268,7 @@ impl Evaluator<'_> {
             };
             let weighted = &mut weighted[..rows.padded()];
             result.squares += weighted_residuals(readings, weighted);
-            let sums = node_sums(rows, [&*x, &*y], weighted);
+            let sums = node_sums(cell_type, rows, [&*x, &*y], weighted);
             result.sums.as_flattened_mut().iter_mut().zip(sums.as_flattened()).for_each(|(sum, part)| *sum += part);
             if let Some(hessian) = &mut result.hessian {
                 hessian.add(rows, [x, y], weights);

@@ -49,6 +49,11 @@ impl Sampler {
         Self::new(filtered.as_ref().map_or(view, Image::view), interpolation, gradient, prefilter)
     }
 
+    /// The interpolant of the grey levels.
+    pub(crate) fn interpolator(&self) -> &Interpolator {
+        &self.value
+    }
+
     /// Grey levels and gradients `(d/du, d/dv)` at image points; NaN outside the image.
     ///
     /// # Panics

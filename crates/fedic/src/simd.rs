@@ -1,12 +1,12 @@
 //! The loops over the points of a cell, with the best instructions that the processor has. All rows have one length, a
 //! multiple of the number of lanes.
 
-use fedic_mesh::MAX_NODES;
+use fedic_mesh::{CellType, MAX_NODES};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::COMPONENTS;
 use crate::expansion::Expansion;
-use crate::fit::{MONOMIALS, Polynomial};
+use crate::fit::{Fit, MONOMIALS, Polynomial};
 use crate::point_table::Rows;
 
 /// Vectors added in single precision before a sum goes on in double precision.
@@ -75,7 +75,7 @@ impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
         let (v, _) = S::as_mut_simd_f32s(v);
         let mut powers: [&[S::f32s]; TERMS] = [&[]; TERMS];
         for m in 0..TERMS {
-            powers[m] = &S::as_simd_f32s(rows.monomial(m)).0[..u.len()];
+            powers[m] = &S::as_simd_f32s(rows.monomial(m + 1)).0[..u.len()];
         }
         let [constant_u, constant_v] = [simd.splat_f32s(expansion.pixel[0][0]), simd.splat_f32s(expansion.pixel[1][0])];
         let (mut factors_u, mut factors_v) = ([constant_u; TERMS], [constant_v; TERMS]);
@@ -188,58 +188,70 @@ impl WithSimd for WeightedResiduals<'_> {
     }
 }
 
-/// Sums of `N q` times a factor at each node; the rows past the last node stay zero.
-pub(crate) fn node_sums(rows: Rows<'_>, q: [&[f32]; 2], factors: &[f32]) -> [[f64; COMPONENTS]; MAX_NODES] {
-    let mut sums = [[0.0; COMPONENTS]; MAX_NODES];
-    for (some, sums) in sums[..rows.num_nodes()].chunks_mut(NODES).enumerate() {
-        let first = NODES * some;
-        match sums {
-            [_, _, _, _] => run(NodeSums::<4> { rows, first, q, factors, sums }),
-            [_, _, _] => run(NodeSums::<3> { rows, first, q, factors, sums }),
-            [_, _] => run(NodeSums::<2> { rows, first, q, factors, sums }),
-            _ => run(NodeSums::<1> { rows, first, q, factors, sums }),
+/// Sums of `N q` times a factor at each node of a cell; the rows past the last node stay zero. The shape functions are made of
+/// as many monomials, whose rows serve for other things too.
+pub(crate) fn node_sums(
+    cell_type: CellType,
+    rows: Rows<'_>,
+    q: [&[f32]; COMPONENTS],
+    factors: &[f32],
+) -> [[f64; COMPONENTS]; MAX_NODES] {
+    let fit = Fit::of(cell_type);
+    let mut monomial_sums = [[0.0; COMPONENTS]; MAX_NODES];
+    let sums = &mut monomial_sums[..fit.spanning.len()];
+    for (monomials, sums) in fit.spanning.chunks(SUMMED).zip(sums.chunks_mut(SUMMED)) {
+        match monomials.len() {
+            4 => run(MonomialSums::<4> { rows, monomials, q, factors, sums }),
+            3 => run(MonomialSums::<3> { rows, monomials, q, factors, sums }),
+            2 => run(MonomialSums::<2> { rows, monomials, q, factors, sums }),
+            _ => run(MonomialSums::<1> { rows, monomials, q, factors, sums }),
         }
     }
-    sums
+    let mut node_sums = [[0.0; COMPONENTS]; MAX_NODES];
+    for (shape, node) in fit.shape.iter().zip(&mut node_sums[..rows.num_nodes()]) {
+        for (&m, sums) in fit.spanning.iter().zip(&monomial_sums) {
+            (0..COMPONENTS).for_each(|c| node[c] += shape[m] * sums[c]);
+        }
+    }
+    node_sums
 }
 
-/// Nodes whose sums stay in registers.
-const NODES: usize = 4;
+/// Monomials whose sums stay in registers.
+const SUMMED: usize = 4;
 
-struct NodeSums<'a, const NODES: usize> {
+struct MonomialSums<'a, const N: usize> {
     rows: Rows<'a>,
-    /// The first of the nodes.
-    first: usize,
-    q: [&'a [f32]; 2],
+    monomials: &'a [usize],
+    q: [&'a [f32]; COMPONENTS],
     factors: &'a [f32],
     sums: &'a mut [[f64; COMPONENTS]],
 }
 
-impl<const NODES: usize> WithSimd for NodeSums<'_, NODES> {
+impl<const N: usize> WithSimd for MonomialSums<'_, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { rows, first, q, factors, sums } = self;
+        let Self { rows, monomials, q, factors, sums } = self;
         let factors = S::as_simd_f32s(factors).0;
         let [x, y] = q.map(|along| &S::as_simd_f32s(along).0[..factors.len()]);
-        let mut shapes: [&[S::f32s]; NODES] = [&[]; NODES];
-        for a in 0..NODES {
-            shapes[a] = &S::as_simd_f32s(rows.shape(first + a)).0[..factors.len()];
+        let mut powers: [&[S::f32s]; N] = [&[]; N];
+        for m in 0..N {
+            powers[m] = &S::as_simd_f32s(rows.monomial(monomials[m])).0[..factors.len()];
         }
         for start in (0..factors.len()).step_by(FLUSH) {
-            let mut vectors = [[simd.splat_f32s(0.0); COMPONENTS]; NODES];
+            let mut vectors = [[simd.splat_f32s(0.0); COMPONENTS]; N];
             for k in start..factors.len().min(start + FLUSH) {
                 let (x, y) = (simd.mul_f32s(factors[k], x[k]), simd.mul_f32s(factors[k], y[k]));
-                for a in 0..NODES {
-                    let shape = shapes[a][k];
-                    vectors[a][0] = simd.mul_add_e_f32s(shape, x, vectors[a][0]);
-                    vectors[a][1] = simd.mul_add_e_f32s(shape, y, vectors[a][1]);
+                for m in 0..N {
+                    let power = powers[m][k];
+                    vectors[m][0] = simd.mul_add_e_f32s(power, x, vectors[m][0]);
+                    vectors[m][1] = simd.mul_add_e_f32s(power, y, vectors[m][1]);
                 }
             }
-            for a in 0..NODES {
+            for m in 0..N {
                 for c in 0..COMPONENTS {
-                    sums[a][c] += f64::from(simd.reduce_sum_f32s(vectors[a][c]));
+                    sums[m][c] += f64::from(simd.reduce_sum_f32s(vectors[m][c]));
                 }
             }
         }
@@ -292,7 +304,7 @@ impl<G: Kept> WithSimd for PullBack<'_, G> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let [x, y] = self.q.map(|along| S::as_mut_simd_f32s(along).0);
-        let [xi, eta] = [0, 1].map(|m| S::as_simd_f32s(self.rows.monomial(m)).0);
+        let [xi, eta] = [1, 2].map(|m| S::as_simd_f32s(self.rows.monomial(m)).0);
         let mut jacobian = [[simd.splat_f32s(0.0); 3]; 4];
         for entry in 0..4 {
             for c in 0..3 {
@@ -494,7 +506,7 @@ mod tests {
             let mut q = [f.clone(), f.clone()];
             let [x, y] = &mut q;
             pull_back(rows, &jacobian, [along_u.as_slice(), along_v.as_slice()], [x, y]);
-            let sums = node_sums(rows, [&q[0], &q[1]], &weighted);
+            let sums = node_sums(cell, rows, [&q[0], &q[1]], &weighted);
             let pairs = rows.num_nodes() * (rows.num_nodes() + 1) / 2;
             let mut hessian = vec![[0.0; PRODUCTS]; pairs];
             hessian_sums(rows, [&q[0], &q[1]], &weights, &mut hessian);
@@ -508,7 +520,7 @@ mod tests {
                 let [qx, qy] = [0, 1].map(|c| {
                     let entry = |e: usize| {
                         let [constant, xi, eta] = jacobian[e].map(f64::from);
-                        constant + xi * f64::from(rows.monomial(0)[k]) + eta * f64::from(rows.monomial(1)[k])
+                        constant + xi * f64::from(rows.monomial(1)[k]) + eta * f64::from(rows.monomial(2)[k])
                     };
                     entry(c) * f64::from(along_u[k]) + entry(2 + c) * f64::from(along_v[k])
                 });
