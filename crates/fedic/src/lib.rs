@@ -68,6 +68,7 @@ mod sights;
 mod simd;
 mod solution;
 mod speckle;
+mod steps;
 mod strain;
 mod system;
 mod uncertainty;

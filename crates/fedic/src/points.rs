@@ -7,22 +7,21 @@ use prefetch_index::prefetch_index;
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::PADDING;
 use crate::row::{LINE, Row};
-use crate::simd::{largest, to_steps};
-
-/// Steps of the largest gradient of a cell.
-const STEPS: f32 = 32_000.0;
+use crate::simd::largest;
+use crate::steps::{MOST_STEPS, Steps, StepsMut};
 
 /// Most points whose numbers are asked for at once.
 const MOST_ASKED: usize = 1024;
 
-/// One number per point, those of a cell side by side and padded with zeros: a point costs 8 bytes, or 12. The numbers of one kind
+/// One number per point, those of a cell side by side and padded with zeros: a point costs 9 bytes, or 13. The numbers of one kind
 /// lie together over all cells, so that memory is read straight on.
 #[derive(Debug, Clone)]
 pub(crate) struct Points {
     value: Row<f32>,
-    /// In whole steps: gradients only weigh residuals, and half a step is to them what 1e-5 is to one.
-    gradient: [Row<i16>; 2],
-    /// The step of each cell, of which its largest gradient makes [`STEPS`].
+    /// In whole steps: gradients only weigh residuals.
+    coarse: [Row<i16>; 2],
+    fine: Row<u8>,
+    /// The step of each cell, of which its largest gradient makes [`MOST_STEPS`].
     steps: Vec<f32>,
     /// Of the cells whose weights vary.
     weights: Row<f32>,
@@ -44,7 +43,7 @@ pub(crate) struct CellPoints<'a> {
     /// `f(P(X))`.
     pub(crate) value: &'a [f32],
     /// `grad f(P(X))`, per pixel along `u` and `v`, in steps.
-    pub(crate) gradient: [&'a [i16]; 2],
+    pub(crate) gradient: Steps<'a>,
     pub(crate) step: f32,
     /// Weights, to be multiplied by `scale`; one each where there are none.
     pub(crate) weights: Option<&'a [f32]>,
@@ -55,7 +54,7 @@ pub(crate) struct CellPoints<'a> {
 /// The same, to be filled.
 pub(crate) struct CellPointsMut<'a> {
     pub(crate) value: &'a mut [f32],
-    gradient: [&'a mut [i16]; 2],
+    gradient: StepsMut<'a>,
     step: &'a mut f32,
     pub(crate) weights: Option<&'a mut [f32]>,
 }
@@ -73,21 +72,24 @@ impl Points {
             first_weight += if varying { padded } else { 0 };
         }
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
-        Vec::<f32>::new().try_reserve_exact(2 * first + first_weight).ok()?;
+        Vec::<u8>::new().try_reserve_exact(9 * first + 4 * first_weight).ok()?;
         let [value, weights] = [first, first_weight].map(Row::zeros);
-        let gradient = [Row::zeros(first), Row::zeros(first)];
-        Some(Self { value, gradient, steps: vec![0.0; cells.len()], weights, cells })
+        let coarse = [Row::zeros(first), Row::zeros(first)];
+        Some(Self { value, coarse, fine: Row::zeros(first), steps: vec![0.0; cells.len()], weights, cells })
     }
 
     /// The numbers of every cell, and what multiplies its weights.
     pub(crate) fn cells_mut(&mut self) -> impl Iterator<Item = (CellPointsMut<'_>, f64)> {
-        let [along_u, along_v] = self.gradient.each_mut().map(|along| &mut **along);
+        let mut coarse = self.coarse.each_mut().map(|along| &mut **along);
+        let mut fine = &mut *self.fine;
         let (mut value, mut weights) = (&mut *self.value, &mut *self.weights);
-        let mut gradient = [along_u, along_v];
         self.cells.iter().zip(&mut self.steps).map(move |(cell, step)| {
             let rows = CellPointsMut {
                 value: take(&mut value, cell.padded),
-                gradient: gradient.each_mut().map(|along| take(along, cell.padded)),
+                gradient: StepsMut {
+                    coarse: coarse.each_mut().map(|along| take(along, cell.padded)),
+                    fine: take(&mut fine, cell.padded),
+                },
                 step,
                 weights: cell.varying.then(|| take(&mut weights, cell.padded)),
             };
@@ -102,7 +104,8 @@ impl Points {
 
     /// The same for its gradients.
     pub(crate) fn prefetch_gradient(&self, cell: usize) {
-        self.gradient.iter().for_each(|along| prefetch(along, self.first_of(cell)));
+        self.coarse.iter().for_each(|along| prefetch(along, self.first_of(cell)));
+        prefetch(&self.fine, self.first_of(cell));
     }
 
     /// The points of a cell, or the first of them where they are too many to be asked for at once.
@@ -114,11 +117,10 @@ impl Points {
     /// The numbers of one cell.
     pub(crate) fn cell(&self, cell: usize) -> CellPoints<'_> {
         let CellEntry { first, first_weight, padded, varying, scale } = self.cells[cell];
-        let [along_u, along_v] = &self.gradient;
         let points = first..first + padded;
         CellPoints {
             value: &self.value[points.clone()],
-            gradient: [&along_u[points.clone()], &along_v[points]],
+            gradient: Steps { coarse: self.coarse.each_ref().map(|along| &**along), fine: &self.fine }.part(points),
             step: self.steps[cell],
             weights: varying.then(|| &self.weights[first_weight..first_weight + padded]),
             scale,
@@ -129,17 +131,15 @@ impl Points {
 impl CellPointsMut<'_> {
     /// Keeps the gradients of the points.
     pub(crate) fn keep_gradient(&mut self, gradient: [&[f32]; 2]) {
-        *self.step = largest(gradient[0]).max(largest(gradient[1])) / STEPS;
-        for (kept, along) in self.gradient.iter_mut().zip(gradient) {
-            to_steps(along, *self.step, kept);
-        }
+        *self.step = largest(gradient[0]).max(largest(gradient[1])) / MOST_STEPS;
+        self.gradient.fill(gradient, *self.step);
     }
 }
 
 impl CellPoints<'_> {
     /// Gradient at point `k`, per pixel along `u` and `v`.
     pub(crate) fn gradient_at(&self, k: usize) -> [f32; 2] {
-        self.gradient.map(|along| self.step * f32::from(along[k]))
+        self.gradient.at(k).map(|steps| self.step * steps)
     }
 
     /// Area that point `k` stands for.

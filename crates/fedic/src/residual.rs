@@ -258,7 +258,7 @@ impl Evaluator<'_> {
             let weights = weights.map_or(rows.ones(), |weights| &weights[part.clone()]);
             if let Some(expansion) = &view.expansion {
                 let jacobian = expansion.jacobian.map(|entry| entry.map(|c| points.step * c));
-                pull_back(rows, &jacobian, points.gradient.map(|along| &along[part.clone()]), [&mut *x, &mut *y]);
+                pull_back(rows, &jacobian, points.gradient.part(part.clone()), [&mut *x, &mut *y]);
             }
             let readings = Readings {
                 reference: &points.value[part.clone()],

@@ -11,11 +11,9 @@ use crate::point_table::Rows;
 
 /// Vectors added in single precision before a sum goes on in double precision.
 const FLUSH: usize = 32;
-/// Numbers in the widest vector.
-const MOST_LANES: usize = 16;
 
 /// Runs a loop.
-fn run<O: WithSimd>(operation: O) -> O::Output {
+pub(crate) fn run<O: WithSimd>(operation: O) -> O::Output {
     Arch::new().dispatch(operation)
 }
 
@@ -258,47 +256,33 @@ impl<const N: usize> WithSimd for MonomialSums<'_, N> {
     }
 }
 
+/// Gradients of an image at the points of a cell.
+pub(crate) trait Slopes: Copy {
+    /// Vector `k` of each component.
+    fn vectors<S: Simd>(self, k: usize) -> [S::f32s; 2];
+}
+
+impl Slopes for [&[f32]; 2] {
+    #[inline(always)]
+    fn vectors<S: Simd>(self, k: usize) -> [S::f32s; 2] {
+        self.map(|along| S::as_simd_f32s(along).0[k])
+    }
+}
+
 /// Multiplies the gradient of an image by the transpose of the camera's Jacobian: `q = J^T grad f`. Where the gradient is given
 /// in steps, the Jacobian is that of one step.
-pub(crate) fn pull_back<G: Kept>(
-    rows: Rows<'_>,
-    jacobian: &[[f32; 3]; 4],
-    gradient: [&[G]; 2],
-    q: [&mut [f32]; COMPONENTS],
-) {
+pub(crate) fn pull_back<G: Slopes>(rows: Rows<'_>, jacobian: &[[f32; 3]; 4], gradient: G, q: [&mut [f32]; COMPONENTS]) {
     run(PullBack { rows, jacobian, gradient, q });
-}
-
-/// A number that a gradient is kept in.
-pub(crate) trait Kept: Copy {
-    /// As many of them as there are lanes.
-    fn vector<S: Simd>(numbers: &[Self]) -> S::f32s;
-}
-
-impl Kept for f32 {
-    #[inline(always)]
-    fn vector<S: Simd>(numbers: &[Self]) -> S::f32s {
-        S::as_simd_f32s(numbers).0[0]
-    }
-}
-
-impl Kept for i16 {
-    #[inline(always)]
-    fn vector<S: Simd>(numbers: &[Self]) -> S::f32s {
-        let mut vector = [0.0; MOST_LANES];
-        vector.iter_mut().zip(numbers).for_each(|(number, &steps)| *number = f32::from(steps));
-        S::as_simd_f32s(&vector[..S::F32_LANES]).0[0]
-    }
 }
 
 struct PullBack<'a, G> {
     rows: Rows<'a>,
     jacobian: &'a [[f32; 3]; 4],
-    gradient: [&'a [G]; 2],
+    gradient: G,
     q: [&'a mut [f32]; COMPONENTS],
 }
 
-impl<G: Kept> WithSimd for PullBack<'_, G> {
+impl<G: Slopes> WithSimd for PullBack<'_, G> {
     type Output = ();
 
     #[inline(always)]
@@ -311,14 +295,12 @@ impl<G: Kept> WithSimd for PullBack<'_, G> {
                 jacobian[entry][c] = simd.splat_f32s(self.jacobian[entry][c]);
             }
         }
-        let [along_u, along_v] = self.gradient.map(|along| along.chunks_exact(S::F32_LANES));
-        let points = xi.iter().zip(eta).zip(along_u.zip(along_v)).zip(x.iter_mut().zip(y));
-        for (((&xi, &eta), (along_u, along_v)), (x, y)) in points {
+        for (k, (((&xi, &eta), x), y)) in xi.iter().zip(eta).zip(x).zip(y).enumerate() {
             let at = |[constant, along_xi, along_eta]: [S::f32s; 3]| {
                 simd.mul_add_e_f32s(along_eta, eta, simd.mul_add_e_f32s(along_xi, xi, constant))
             };
             let [ux, uy, vx, vy] = jacobian.map(at);
-            let (along_u, along_v) = (G::vector::<S>(along_u), G::vector::<S>(along_v));
+            let [along_u, along_v] = self.gradient.vectors::<S>(k);
             *x = simd.mul_add_e_f32s(ux, along_u, simd.mul_f32s(vx, along_v));
             *y = simd.mul_add_e_f32s(uy, along_u, simd.mul_f32s(vy, along_v));
         }
@@ -342,31 +324,6 @@ impl WithSimd for Largest<'_> {
             largest[index % 2] = simd.max_f32s(largest[index % 2], simd.abs_f32s(vector));
         }
         simd.reduce_max_f32s(simd.max_f32s(largest[0], largest[1]))
-    }
-}
-
-/// Rounds numbers to whole steps.
-pub(crate) fn to_steps(numbers: &[f32], step: f32, steps: &mut [i16]) {
-    run(ToSteps { numbers, step, steps });
-}
-
-struct ToSteps<'a> {
-    numbers: &'a [f32],
-    step: f32,
-    steps: &'a mut [i16],
-}
-
-impl WithSimd for ToSteps<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        /// Added to a number below `2^22`, leaves it rounded to the nearest integer, in the low bits.
-        const ROUNDING: f32 = 12_582_912.0;
-        let per_step = if self.step > 0.0 { 1.0 / self.step } else { 0.0 };
-        for (steps, number) in self.steps.iter_mut().zip(self.numbers) {
-            *steps = (number * per_step + ROUNDING).to_bits().wrapping_sub(ROUNDING.to_bits()) as i16;
-        }
     }
 }
 
@@ -549,18 +506,9 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_rounded_to_the_nearest() {
+    fn the_largest_is_found() {
         let numbers = row(7, 100, 112);
-        let mut steps = vec![0; 112];
-        let step = 2.0 / 32_000.0;
-        to_steps(&numbers, step, &mut steps);
-        for (number, &steps) in numbers.iter().zip(&steps) {
-            let restored = step * f32::from(steps);
-            assert!((number - restored).abs() <= 0.501 * step, "{number} {restored}");
-        }
         assert_eq!(largest(&numbers), numbers.iter().fold(0.0, |largest, number| number.abs().max(largest)));
-        to_steps(&[0.0; 112], 0.0, &mut steps);
-        assert!(steps.iter().all(|&steps| steps == 0));
     }
 
     #[test]
