@@ -31,8 +31,8 @@ pub(crate) struct Expansion {
     pub(crate) origin: [isize; 2],
     /// Constant and coefficients of the monomials, of `u` and of `v`.
     pub(crate) pixel: [[f32; MONOMIALS + 1]; 2],
-    /// What single precision leaves of the coefficients of `xi` and `eta`, of `u` and of `v`.
-    pub(crate) remainder: [[f32; 2]; 2],
+    /// What single precision leaves of the constant and of the coefficients of `xi` and `eta`, of `u` and of `v`.
+    pub(crate) remainder: [[f32; 3]; 2],
     /// How many monomials have coefficients worth adding.
     pub(crate) terms: usize,
     /// Constant, slopes along `xi` and `eta` of `du/dX, du/dY, dv/dX, dv/dY`.
@@ -96,7 +96,7 @@ impl Draft {
     /// Of a cell of `N` nodes, whose centre is seen at the pixel `centre`.
     fn new<const N: usize>(fit: &Fit, nodes: &[u32], views: &[Sight], centre: [f64; 2]) -> Self {
         let nodes: [&Sight; N] = from_fn(|a| &views[nodes[a] as usize]);
-        let origin = centre.map(f64::trunc);
+        let origin = centre.map(f64::round);
         let mut data = [[0.0; DATA]; 2];
         let mut jacobian = [[0.0; 3]; 4];
         for c in 0..2 {
@@ -128,7 +128,11 @@ impl Draft {
     fn affine(cell: Cell<'_>, views: &[Sight], jacobian: [[f64; 3]; 2]) -> Self {
         let fit = Fit::of(cell.cell_type);
         let n = cell.nodes.len();
-        let origin = views[cell.nodes[0] as usize].pixel.map(f64::trunc);
+        let mut centre = [0.0; 2];
+        for (shape, &node) in fit.centre_shape.iter().zip(cell.nodes) {
+            (0..2).for_each(|c| centre[c] += shape * views[node as usize].pixel[c]);
+        }
+        let origin = centre.map(f64::round);
         let mut values = [[0.0; MAX_NODES]; 2];
         for (a, &node) in cell.nodes.iter().enumerate() {
             (0..2).for_each(|c| values[c][a] = views[node as usize].pixel[c] - origin[c]);
@@ -159,7 +163,7 @@ impl Draft {
         self.origin.iter().all(|c| c.abs() < FARTHEST).then(|| Expansion {
             origin: self.origin.map(|c| c as isize),
             pixel: self.pixel.map(|c| from_fn(|m| c[m] as f32)),
-            remainder: self.pixel.map(|c| [1, 2].map(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
+            remainder: self.pixel.map(|c| from_fn(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
             terms: worth_adding(&self.pixel),
             jacobian: self.jacobian.map(|c| c.map(|c| c as f32)),
         })
@@ -236,9 +240,9 @@ mod tests {
             let monomials = monomials(at);
             for c in 0..2 {
                 let coefficients = expansion.pixel[c].map(f64::from);
-                let mut sum = expansion.origin[c] as f64 + coefficients[0];
+                let mut sum = expansion.origin[c] as f64 + coefficients[0] + f64::from(expansion.remainder[c][0]);
                 for (m, monomial) in monomials[..expansion.terms].iter().enumerate() {
-                    let remainder = expansion.remainder[c].get(m).copied().unwrap_or_default();
+                    let remainder = expansion.remainder[c].get(m + 1).copied().unwrap_or_default();
                     sum += (coefficients[m + 1] + f64::from(remainder)) * monomial;
                 }
                 worst[0] = worst[0].max((sum - pixel[c]).abs());

@@ -81,26 +81,25 @@ impl<const TERMS: usize> WithSimd for Positions<'_, TERMS> {
             factors_u[m] = simd.splat_f32s(expansion.pixel[0][m + 1]);
             factors_v[m] = simd.splat_f32s(expansion.pixel[1][m + 1]);
         }
-        let mut remainders = [[constant_u; 2]; 2];
+        let mut remainders = [[constant_u; 3]; 2];
         for c in 0..2 {
-            for m in 0..2 {
+            for m in 0..3 {
                 remainders[c][m] = simd.splat_f32s(expansion.remainder[c][m]);
             }
         }
         for k in 0..u.len().min(v.len()) {
             let (xi, eta) = (powers[0][k], powers[1][k]);
-            // From the least terms to the greatest, so that the sum is rounded once.
-            let mut at_u =
-                simd.mul_add_e_f32s(eta, remainders[0][1], simd.mul_add_e_f32s(xi, remainders[0][0], constant_u));
-            let mut at_v =
-                simd.mul_add_e_f32s(eta, remainders[1][1], simd.mul_add_e_f32s(xi, remainders[1][0], constant_v));
+            // What single precision leaves of the greatest terms first: it would be lost among them.
+            let [mut at_u, mut at_v] = remainders.map(|[constant, along_xi, along_eta]| {
+                simd.mul_add_e_f32s(eta, along_eta, simd.mul_add_e_f32s(xi, along_xi, constant))
+            });
             for m in (0..TERMS).rev() {
                 let power = powers[m][k];
                 at_u = simd.mul_add_e_f32s(power, factors_u[m], at_u);
                 at_v = simd.mul_add_e_f32s(power, factors_v[m], at_v);
             }
-            u[k] = at_u;
-            v[k] = at_v;
+            u[k] = simd.add_f32s(at_u, constant_u);
+            v[k] = simd.add_f32s(at_v, constant_v);
         }
     }
 }
