@@ -65,9 +65,10 @@ pub trait Camera: Send + Sync {
     }
 }
 
-/// Points projected side by side, in registers.
+/// Points projected side by side.
 const LANES: usize = 4;
 
+/// Projects points one after the other; the compiler makes vectors of a simple camera's.
 #[inline(always)]
 pub(crate) fn project_each(project: impl Fn([f64; 3]) -> [f64; 2], [x, y, z]: [&[f64]; 3], [u, v]: [&mut [f64]; 2]) {
     let n = u.len();
@@ -77,6 +78,7 @@ pub(crate) fn project_each(project: impl Fn([f64; 3]) -> [f64; 2], [x, y, z]: [&
     }
 }
 
+/// The same with the Jacobian, some points at a time: the compiler does not see that so many slices are none of each other.
 #[inline(always)]
 pub(crate) fn project_each_with_jacobian(
     project: impl Fn([f64; 3]) -> ([f64; 2], [[f64; 3]; 2]),

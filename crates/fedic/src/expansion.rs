@@ -327,6 +327,27 @@ mod tests {
     }
 
     #[test]
+    fn cells_expanded_together_are_as_those_alone() {
+        for camera in [&tilted(1400.0, -0.2) as &dyn Camera, &wavy(false), &fedic_camera::ImageFrame] {
+            let (mut views, mut cells) = (Vec::new(), Vec::new());
+            for (cell_type, half) in CellType::ALL.into_iter().zip([10.0, 5.0, 10.0, 80.0, 5.0]) {
+                let nodes = warped(cell_type, half, camera);
+                cells.push((cell_type, (views.len() as u32..(views.len() + nodes.len()) as u32).collect::<Vec<_>>()));
+                views.extend(nodes);
+            }
+            let mut together = [None; TOGETHER];
+            let cells = cells.iter().map(|(cell_type, nodes)| Cell { cell_type: *cell_type, nodes });
+            expand(cells.clone(), &views, camera, &mut together);
+            for (cell, expansion) in cells.zip(&together) {
+                let mut alone = [None];
+                expand(std::iter::once(cell), &views, camera, &mut alone);
+                assert_eq!(format!("{expansion:?}"), format!("{:?}", alone[0]));
+            }
+            assert!(together.iter().flatten().count() >= 3);
+        }
+    }
+
+    #[test]
     fn a_camera_without_perspective_is_expanded_exactly() {
         let camera = fedic_camera::FrontParallel::new(1.0, [12_000.3, 15_000.7]).unwrap();
         for cell in CellType::ALL {
