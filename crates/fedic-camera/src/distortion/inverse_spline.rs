@@ -66,8 +66,7 @@ impl InverseSplineDistortion {
     /// [`distort`](Self::distort) and its derivatives: row 0 is `(dx_d/dx, dx_d/dy)`.
     #[inline]
     pub fn distort_with_jacobian(&self, point: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
-        let [dx, dy] = self.field.value(point);
-        solve(point, [point[0] - dx, point[1] - dy], |at| self.undistort_with_jacobian(at))
+        solve(point, point, |at| self.undistort_with_jacobian(at))
             .map_or(([f64::NAN; 2], [[f64::NAN; 2]; 2]), |(seen, jacobian)| (seen, invert(jacobian)))
     }
 
