@@ -77,7 +77,7 @@ def test_first_step_is_that_of_a_dense_system(
 
 @pytest.mark.parametrize("cell", CELLS)
 def test_solution_is_that_of_plain_loops(images: tuple[np.ndarray, np.ndarray], cell: str) -> None:
-    """Iterated to the end on noisy images: 20-bit gradients, places and sums in single precision do not move the solution."""
+    """Iterated to the end on noisy images: 20-bit gradients and single precision do not move the solution."""
     noise = np.random.default_rng(5).normal(0.0, 2.0, (2, 140, 160)).astype(np.float32)
     reference, deformed = images[0] + noise[0], images[1] + noise[1]
     mesh = mesh_in_image(fedic.ImageFrame(), cell)
