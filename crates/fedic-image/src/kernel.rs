@@ -73,29 +73,21 @@ impl<const HALF: usize> Kernel<HALF> {
 
     /// Derivatives of the weights, per pixel, at each distance from the middle.
     #[inline(always)]
-    pub(crate) fn slopes<const FUSED: bool>(&self, s: &Lane, out: &mut [Lane]) {
-        for i in 0..HALF {
-            let (even, odd) = (&self.even[i], &self.odd[i]);
-            let (first, last) = pair(out, i, HALF);
-            for k in 0..BLOCK {
-                let square = s[k] * s[k];
+    pub(crate) fn slopes<const FUSED: bool, const TAPS: usize>(&self, s: &Lane, out: &mut [Lane; TAPS]) {
+        for k in 0..BLOCK {
+            let square = s[k] * s[k];
+            for i in 0..HALF {
+                let (even, odd) = (&self.even[i], &self.odd[i]);
                 let (mut e, mut o) = (0.0, 0.0);
                 for p in (0..HALF).rev() {
                     e = fused::<FUSED>(e, square, 2.0 * (p + 1) as f32 * even.get(p + 1).copied().unwrap_or(0.0));
                     o = fused::<FUSED>(o, square, (2 * p + 1) as f32 * odd[p]);
                 }
-                first[k] = fused::<FUSED>(e, s[k], o);
-                last[k] = fused::<FUSED>(e, s[k], -o);
+                out[i][k] = fused::<FUSED>(e, s[k], o);
+                out[2 * HALF - 1 - i][k] = fused::<FUSED>(e, s[k], -o);
             }
         }
     }
-}
-
-/// The lanes of tap `i` and of its mirror image.
-#[inline(always)]
-fn pair(lanes: &mut [Lane], i: usize, half: usize) -> (&mut Lane, &mut Lane) {
-    let (left, right) = lanes.split_at_mut(half);
-    (&mut left[i], &mut right[half - 1 - i])
 }
 
 #[cfg(test)]
@@ -108,7 +100,7 @@ mod tests {
     fn check<const HALF: usize, const TAPS: usize>(kernel: &Kernel<HALF>, reference: fn(f64) -> f64, t: f32) {
         let (mut weights, mut slopes) = ([[0.0; BLOCK]; TAPS], [[0.0; BLOCK]; TAPS]);
         kernel.weights::<false, TAPS>(&[t - 0.5; BLOCK], &mut weights);
-        kernel.slopes::<false>(&[t - 0.5; BLOCK], &mut slopes);
+        kernel.slopes::<false, TAPS>(&[t - 0.5; BLOCK], &mut slopes);
         let (weights, slopes) = (weights.map(|lane| lane[BLOCK - 1]), slopes.map(|lane| lane[BLOCK - 1]));
         assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?} do not sum to one");
         assert!(slopes.iter().sum::<f32>().abs() < 1e-5, "{slopes:?} do not sum to zero");

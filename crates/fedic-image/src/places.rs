@@ -9,7 +9,6 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 const ROUNDING_F32: f32 = 12_582_912.0;
 
 /// The stencils of up to [`BLOCK`] points in the coefficients of an image.
-#[repr(align(64))]
 pub(crate) struct Places {
     /// Index of the first coefficient of the stencil.
     pub(crate) first: [usize; BLOCK],

@@ -71,7 +71,7 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
     #[inline(always)]
     fn run(mut self) {
         let inside = self.all_inside();
-        let mut places = Places::new();
+        let mut places = Aligned(Places::new());
         let (mut weights, mut slopes) = (Aligned([[[0.0; BLOCK]; TAPS]; 2]), Aligned([[[0.0; BLOCK]; TAPS]; 2]));
         let mut readings = Aligned([[0.0; BLOCK]; READINGS]);
         let count = self.out[0].len();
@@ -80,10 +80,10 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
             let start = start.min(count.saturating_sub(BLOCK));
             let end = count.min(start + BLOCK);
             match self.points {
-                Points::Absolute(u, v) => places.locate(self.grid, &u[start..end], &v[start..end]),
+                Points::Absolute(u, v) => places.0.locate(self.grid, &u[start..end], &v[start..end]),
                 Points::Near(origin, u, v) if inside => match (u[start..].first_chunk(), v[start..].first_chunk()) {
-                    (Some(u), Some(v)) => places.locate_near(self.grid, origin, u, v),
-                    _ => places.locate_near(self.grid, origin, &padded(&u[start..end]), &padded(&v[start..end])),
+                    (Some(u), Some(v)) => places.0.locate_near(self.grid, origin, u, v),
+                    _ => places.0.locate_near(self.grid, origin, &padded(&u[start..end]), &padded(&v[start..end])),
                 },
                 Points::Near(origin, u, v) => {
                     let (u, v) = (padded(&u[start..end]), padded(&v[start..end]));
@@ -92,10 +92,10 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
                         absolute_u[k] = origin[0] as f64 + f64::from(u[k]);
                         absolute_v[k] = origin[1] as f64 + f64::from(v[k]);
                     }
-                    places.locate(self.grid, &absolute_u, &absolute_v);
+                    places.0.locate(self.grid, &absolute_u, &absolute_v);
                 }
             }
-            self.read_block(&places, &mut weights.0, &mut slopes.0, &mut readings.0);
+            self.read_block(&places.0, &mut weights.0, &mut slopes.0, &mut readings.0);
             for (out, reading) in self.out.iter_mut().zip(&readings.0) {
                 match out[start..].first_chunk_mut() {
                     Some(out) => *out = *reading,
@@ -121,8 +121,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         if READINGS == 1 {
             self.summation.sum(stencils, [&*rows], [(0, &*columns)], readings);
         } else {
-            differentiate::<S, HALF>(self.kernel, u, column_slopes);
-            differentiate::<S, HALF>(self.kernel, v, row_slopes);
+            differentiate::<S, HALF, TAPS>(self.kernel, u, column_slopes);
+            differentiate::<S, HALF, TAPS>(self.kernel, v, row_slopes);
             let pairs = [(0, &*columns), (0, &*column_slopes), (1, &*columns)];
             self.summation.sum(stencils, [&*rows, &*row_slopes], pairs, readings);
         }
@@ -197,8 +197,12 @@ fn weigh<S: Summation, const HALF: usize, const TAPS: usize>(
 }
 
 #[inline(always)]
-fn differentiate<S: Summation, const HALF: usize>(kernel: &Kernel<HALF>, middle: &Lane, out: &mut [Lane]) {
-    if S::FUSED { kernel.slopes::<true>(middle, out) } else { kernel.slopes::<false>(middle, out) }
+fn differentiate<S: Summation, const HALF: usize, const TAPS: usize>(
+    kernel: &Kernel<HALF>,
+    middle: &Lane,
+    out: &mut [Lane; TAPS],
+) {
+    if S::FUSED { kernel.slopes::<true, TAPS>(middle, out) } else { kernel.slopes::<false, TAPS>(middle, out) }
 }
 
 #[cfg(test)]

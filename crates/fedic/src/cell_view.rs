@@ -89,7 +89,7 @@ pub(crate) struct CellsInTurn {
 }
 
 impl CellsInTurn {
-    /// A cell as the camera sees it, where `views` are those of all calls before.
+    /// A cell as the camera sees it. `views` and `camera` must be those of the calls before: it serves one pass over the cells.
     pub(crate) fn view<'a>(
         &mut self,
         mesh: &Mesh,

@@ -72,7 +72,8 @@ impl Points {
             first_weight += if varying { padded } else { 0 };
         }
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
-        Vec::<u8>::new().try_reserve_exact(9 * first + 4 * first_weight).ok()?;
+        let point = size_of::<f32>() + 2 * size_of::<i16>() + size_of::<u8>();
+        Vec::<u8>::new().try_reserve_exact(point * first + size_of::<f32>() * first_weight).ok()?;
         let [value, weights] = [first, first_weight].map(Row::zeros);
         let coarse = [Row::zeros(first), Row::zeros(first)];
         Some(Self { value, coarse, fine: Row::zeros(first), steps: vec![0.0; cells.len()], weights, cells })

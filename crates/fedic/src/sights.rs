@@ -7,7 +7,6 @@ pub(crate) const MOST_SIGHTS: usize = 40;
 
 /// Points, and then where the camera sees them.
 pub(crate) struct Sights {
-    count: usize,
     place: [[f64; MOST_SIGHTS]; 3],
     pixel: [[f64; MOST_SIGHTS]; 2],
     jacobian: [[[f64; MOST_SIGHTS]; 3]; 2],
@@ -25,16 +24,15 @@ impl Sights {
     /// Sees up to [`MOST_SIGHTS`] points.
     pub(crate) fn new(camera: &dyn Camera, points: impl Iterator<Item = [f64; 3]>) -> Self {
         let mut sights = Self {
-            count: 0,
             place: [[0.0; MOST_SIGHTS]; 3],
             pixel: [[0.0; MOST_SIGHTS]; 2],
             jacobian: [[[0.0; MOST_SIGHTS]; 3]; 2],
         };
+        let mut n = 0;
         for point in points.take(MOST_SIGHTS) {
-            (0..3).for_each(|d| sights.place[d][sights.count] = point[d]);
-            sights.count += 1;
+            (0..3).for_each(|d| sights.place[d][n] = point[d]);
+            n += 1;
         }
-        let n = sights.count;
         let [x, y, z] = sights.place.each_ref().map(|c| &c[..n]);
         let [u, v] = sights.pixel.each_mut().map(|c| &mut c[..n]);
         let mut jacobian = sights.jacobian.each_mut().map(|row| row.each_mut().map(|entry| &mut entry[..n]));
