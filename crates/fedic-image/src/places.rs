@@ -11,7 +11,7 @@ const ROUNDING_F32: f32 = 12_582_912.0;
 /// The stencils of up to [`BLOCK`] points in the coefficients of an image.
 pub(crate) struct Places {
     /// Index of the first coefficient of the stencil.
-    pub(crate) first: [usize; BLOCK],
+    pub(crate) first: [u32; BLOCK],
     /// Distance, along the columns and along the rows, from the middle of the stencil.
     pub(crate) middle: [Lane; 2],
 }
@@ -49,20 +49,15 @@ impl Places {
     #[inline(always)]
     pub(crate) fn locate_near(&mut self, grid: Grid, origin: [isize; 2], u: &Lane, v: &Lane) {
         let base = grid.first(origin[0], origin[1]);
-        let stride = grid.stride as i32;
+        let stride = grid.stride as u32;
         let [middle_u, middle_v] = &mut self.middle;
-        // Two loops: vectors of 32-bit numbers must not be stored in the halves that 64-bit ones would impose.
-        let mut offsets = [0_i32; BLOCK];
         for k in 0..BLOCK {
             let (x, y) = (u[k] - 0.5, v[k] - 0.5);
             let (column, row) = (x + ROUNDING_F32, y + ROUNDING_F32);
             middle_u[k] = x - (column - ROUNDING_F32);
             middle_v[k] = y - (row - ROUNDING_F32);
-            let whole = |rounded: f32| rounded.to_bits().wrapping_sub(ROUNDING_F32.to_bits()) as i32;
-            offsets[k] = whole(row).wrapping_mul(stride).wrapping_add(whole(column));
-        }
-        for (first, offset) in self.first.iter_mut().zip(offsets) {
-            *first = base.wrapping_add_signed(offset as isize);
+            let whole = |rounded: f32| rounded.to_bits().wrapping_sub(ROUNDING_F32.to_bits());
+            self.first[k] = base.wrapping_add(whole(row).wrapping_mul(stride)).wrapping_add(whole(column));
         }
     }
 }
@@ -70,9 +65,9 @@ impl Places {
 impl Grid {
     /// Index of the first coefficient of the stencil between the pixel `(column, row)` and the next ones.
     #[inline(always)]
-    pub(crate) fn first(self, column: isize, row: isize) -> usize {
+    pub(crate) fn first(self, column: isize, row: isize) -> u32 {
         let margin = (PADDING + 1 - self.half) as isize;
-        ((row + margin) * self.stride as isize + column + margin) as usize
+        ((row + margin) * self.stride as isize + column + margin) as u32
     }
 }
 

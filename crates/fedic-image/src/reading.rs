@@ -114,7 +114,8 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         [column_slopes, row_slopes]: &mut [[Lane; TAPS]; 2],
         readings: &mut [Lane; READINGS],
     ) {
-        let stencils = Stencils { data: self.coefficients.as_slice(), stride: self.grid.stride, first: &places.first };
+        let stride = self.grid.stride as u32;
+        let stencils = Stencils { data: self.coefficients.as_slice(), stride, first: &places.first };
         let [u, v] = &places.middle;
         weigh::<S, HALF, TAPS>(self.kernel, u, columns);
         weigh::<S, HALF, TAPS>(self.kernel, v, rows);

@@ -12,8 +12,23 @@ pub(crate) type Weights<const TAPS: usize> = [Lane; TAPS];
 #[derive(Clone, Copy)]
 pub(crate) struct Stencils<'a> {
     pub(crate) data: &'a [f32],
-    pub(crate) stride: usize,
-    pub(crate) first: &'a [usize; BLOCK],
+    pub(crate) stride: u32,
+    pub(crate) first: &'a [u32; BLOCK],
+}
+
+impl<'a> Stencils<'a> {
+    /// The coefficients from the first of the stencil of point `k` to `width` of its last row, of which there are `TAPS`. A look
+    /// at the bounds of all of them spares those of each row, and costs little where nothing can overflow.
+    #[inline(always)]
+    fn window<const TAPS: usize>(self, k: usize, width: usize) -> &'a [f32] {
+        let first = self.first[k] as usize;
+        let mut end = first + width;
+        // By additions, in which the compiler sees that no row lies beyond.
+        for _ in 1..TAPS {
+            end += self.stride as usize;
+        }
+        &self.data[first..end]
+    }
 }
 
 /// A way of summing, for an instruction set.
@@ -46,9 +61,9 @@ impl Summation for pulp::Scalar {
     ) {
         for k in 0..BLOCK {
             let mut lines = [[0.0; TAPS]; SETS];
+            let window = stencils.window::<TAPS>(k, TAPS);
             for row in 0..TAPS {
-                let start = stencils.first[k] + row * stencils.stride;
-                let coefficients = &stencils.data[start..start + TAPS];
+                let coefficients = &window[row * stencils.stride as usize..][..TAPS];
                 for set in 0..SETS {
                     for column in 0..TAPS {
                         lines[set][column] =
@@ -124,30 +139,22 @@ pub(crate) mod avx2 {
         k: usize,
     ) -> [[__m256; COLUMNS]; SETS] {
         let zero = v3.avx._mm256_setzero_ps();
-        // The weights of points `k + i` and `k + i + 4` in two halves, as their coefficients will be.
-        let mut weights = [[zero; 4]; SETS];
-        for set in 0..SETS {
-            for row in 0..TAPS {
-                weights[set][row] = eight(&rows[set][row], k);
-            }
-            weights[set] = transpose(v3, weights[set]);
-        }
-        let stride = stencils.stride as u32 as usize;
         let mut lines = [[zero; 4]; SETS];
         for i in 0..4 {
-            let [low, high] =
-                [k + i, k + i + 4].map(|k| &stencils.data[stencils.first[k]..][..offset::<TAPS>(stride) + 4]);
+            // Points `k + i` and `k + i + 4` in two halves.
+            let [low, high] = [k + i, k + i + 4].map(|k| stencils.window::<TAPS>(k, 4));
             let mut start = 0;
             for row in 0..TAPS {
                 let low = v3.avx._mm256_castps128_ps256(four(&low[start..]));
                 let coefficients = v3.avx._mm256_insertf128_ps::<1>(low, four(&high[start..]));
-                start += stride;
+                start += stencils.stride as usize;
                 for set in 0..SETS {
-                    let weight = match row {
-                        0 => v3.avx._mm256_permute_ps::<0x00>(weights[set][i]),
-                        1 => v3.avx._mm256_permute_ps::<0x55>(weights[set][i]),
-                        2 => v3.avx._mm256_permute_ps::<0xaa>(weights[set][i]),
-                        _ => v3.avx._mm256_permute_ps::<0xff>(weights[set][i]),
+                    let weights = eight(&rows[set][row], k);
+                    let weight = match i {
+                        0 => v3.avx._mm256_permute_ps::<0x00>(weights),
+                        1 => v3.avx._mm256_permute_ps::<0x55>(weights),
+                        2 => v3.avx._mm256_permute_ps::<0xaa>(weights),
+                        _ => v3.avx._mm256_permute_ps::<0xff>(weights),
                     };
                     lines[set][i] = v3.fma._mm256_fmadd_ps(weight, coefficients, lines[set][i]);
                 }
@@ -189,7 +196,7 @@ pub(crate) mod avx2 {
         columns
     }
 
-    /// The stencil of point `k`, summed over its rows. One look at the bounds of the whole stencil spares those of its rows.
+    /// The stencil of point `k`, summed over its rows.
     #[inline(always)]
     fn wide_line<const TAPS: usize, const SETS: usize>(
         v3: V3,
@@ -197,28 +204,17 @@ pub(crate) mod avx2 {
         rows: [&Weights<TAPS>; SETS],
         k: usize,
     ) -> [__m256; SETS] {
-        let stride = stencils.stride as u32 as usize;
-        let window = &stencils.data[stencils.first[k]..][..offset::<TAPS>(stride) + 8];
+        let window = stencils.window::<TAPS>(k, 8);
         let mut line = [v3.avx._mm256_setzero_ps(); SETS];
         let mut start = 0;
         for row in 0..TAPS {
             let coefficients = eight(window, start);
-            start += stride;
+            start += stencils.stride as usize;
             for set in 0..SETS {
                 line[set] = v3.fma._mm256_fmadd_ps(v3.avx._mm256_set1_ps(rows[set][row][k]), coefficients, line[set]);
             }
         }
         line
-    }
-
-    /// Where the last of `TAPS` rows begins; by additions, in which the compiler sees that no row lies beyond it.
-    #[inline(always)]
-    fn offset<const TAPS: usize>(stride: usize) -> usize {
-        let mut offset = 0;
-        for _ in 1..TAPS {
-            offset += stride;
-        }
-        offset
     }
 
     /// Four by four, in both halves.
