@@ -16,6 +16,7 @@ mod minimum_degree;
 mod panel;
 mod pattern;
 mod runs;
+mod sweep;
 mod symbolic;
 mod tree;
 

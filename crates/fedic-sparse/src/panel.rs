@@ -4,12 +4,19 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, Par};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd};
+
+use crate::sweep::{Eliminate, Substitute};
+
+/// Numbers in the widest vector.
+const MOST_LANES: usize = 8;
 
 /// A number as it is stored; all arithmetic is in double precision.
 pub(crate) trait Stored: Copy + Default + Send + Sync {
     fn store(value: f64) -> Self;
     fn load(self) -> f64;
+    /// The first numbers, as many as a vector holds.
+    fn vector<S: Simd>(numbers: &[Self]) -> S::f64s;
 }
 
 impl Stored for f64 {
@@ -19,6 +26,10 @@ impl Stored for f64 {
     fn load(self) -> f64 {
         self
     }
+    #[inline(always)]
+    fn vector<S: Simd>(numbers: &[Self]) -> S::f64s {
+        S::as_simd_f64s(&numbers[..S::F64_LANES]).0[0]
+    }
 }
 
 impl Stored for f32 {
@@ -27,6 +38,12 @@ impl Stored for f32 {
     }
     fn load(self) -> f64 {
         f64::from(self)
+    }
+    #[inline(always)]
+    fn vector<S: Simd>(numbers: &[Self]) -> S::f64s {
+        let mut vector = [0.0; MOST_LANES];
+        vector.iter_mut().zip(&numbers[..S::F64_LANES]).for_each(|(to, &from)| *to = from.load());
+        f64::vector::<S>(&vector)
     }
 }
 
@@ -47,7 +64,7 @@ pub(crate) fn num_stored([rows, columns]: [usize; 2]) -> usize {
 }
 
 /// First number of a column of such a supernode.
-fn column_start(rows: usize, column: usize) -> usize {
+pub(crate) fn column_start(rows: usize, column: usize) -> usize {
     column * rows - column * column.saturating_sub(1) / 2
 }
 
@@ -62,7 +79,7 @@ pub(crate) fn store<T: Stored>(columns: &[f64], rows: usize, mut stored: &mut [T
 
 impl<T: Stored> Panel<'_, T> {
     #[inline(always)]
-    fn column(&self, j: usize) -> &[T] {
+    pub(crate) fn column(&self, j: usize) -> &[T] {
         let start = column_start(self.rows, j);
         &self.values[start..start + self.rows - j]
     }
@@ -70,12 +87,12 @@ impl<T: Stored> Panel<'_, T> {
     /// Takes the unknowns of the columns and, if asked, those of the rows below, that are zero otherwise.
     pub(crate) fn gather(&self, all: &[f64], sides: usize, block: usize, work: &mut Vec<f64>, with_rows: bool) {
         work.clear();
-        for all in all.chunks_exact(all.len() / sides) {
-            work.extend_from_slice(&all[self.first..self.first + self.columns]);
+        work.resize(self.rows * sides, 0.0);
+        for (all, work) in all.chunks_exact(all.len() / sides).zip(work.chunks_exact_mut(self.rows)) {
+            let (columns, below) = work.split_at_mut(self.columns);
+            columns.copy_from_slice(&all[self.first..self.first + self.columns]);
             if with_rows {
-                self.local_rows.iter().for_each(|&row| work.extend_from_slice(&all[row as usize * block..][..block]));
-            } else {
-                work.resize(work.len() + self.rows - self.columns, 0.0);
+                self.for_each_below(block, |row, k| below[k] = all[row]);
             }
         }
     }
@@ -92,8 +109,17 @@ impl<T: Stored> Panel<'_, T> {
     pub(crate) fn scatter(&self, all: &mut [f64], sides: usize, block: usize, work: &[f64]) {
         let height = all.len() / sides;
         for (all, work) in all.chunks_exact_mut(height).zip(work.chunks_exact(self.rows)) {
-            for (&row, given) in self.local_rows.iter().zip(work[self.columns..].chunks_exact(block)) {
-                all[row as usize * block..][..block].iter_mut().zip(given).for_each(|(own, given)| *own += given);
+            let below = &work[self.columns..];
+            self.for_each_below(block, |row, k| all[row] += below[k]);
+        }
+    }
+
+    /// Calls `each(row, k)` with each row below the columns, among the unknowns of the task, and its place `k` among them.
+    #[inline(always)]
+    fn for_each_below(&self, block: usize, mut each: impl FnMut(usize, usize)) {
+        for c in 0..block {
+            for (node, &row) in self.local_rows.iter().enumerate() {
+                each(row as usize * block + c, node * block + c);
             }
         }
     }
@@ -134,57 +160,4 @@ impl<T: Stored> Panel<'_, T> {
         }
         dense
     }
-}
-
-struct Eliminate<'a, T> {
-    panel: &'a Panel<'a, T>,
-    work: &'a mut [f64],
-}
-
-impl<T: Stored> WithSimd for Eliminate<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for j in 0..self.panel.columns {
-            let column = self.panel.column(j);
-            let (x, below) = self.work[j..].split_at_mut(1);
-            x[0] /= column[0].load();
-            let x = x[0];
-            below.iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= l.load() * x);
-        }
-    }
-}
-
-struct Substitute<'a, T> {
-    panel: &'a Panel<'a, T>,
-    work: &'a mut [f64],
-}
-
-impl<T: Stored> WithSimd for Substitute<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for j in (0..self.panel.columns).rev() {
-            let column = self.panel.column(j);
-            let (x, below) = self.work[j..].split_at_mut(1);
-            x[0] = (x[0] - dot(&column[1..], below)) / column[0].load();
-        }
-    }
-}
-
-/// Scalar product, in as many parts as a processor adds side by side.
-#[inline(always)]
-fn dot<T: Stored>(a: &[T], b: &[f64]) -> f64 {
-    let (a, a_rest) = a.as_chunks::<8>();
-    let (b, b_rest) = b.as_chunks::<8>();
-    let mut lanes = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..8 {
-            lanes[k] += a[k].load() * b[k];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a.load() * b).sum();
-    lanes.iter().sum::<f64>() + rest
 }

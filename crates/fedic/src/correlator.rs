@@ -17,8 +17,8 @@ use crate::{
     COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map, uncertainty,
 };
 
-/// From this number of unknowns on the factor is worth making small: it takes 60 MB then.
-const COMPACT_DOFS: usize = 100_000;
+/// From this number of unknowns on the factor is worth making small: it would take 5 MB, which each iteration reads twice.
+const COMPACT_DOFS: usize = 10_000;
 
 /// Where the iterations start. `Zero` and `Field` are improved first where the mesh has many cells: by a field of cubic
 /// polynomials fitted to a few hundred of them, if that lowers the residual there.
