@@ -10,6 +10,7 @@ use std::ops::Range;
 use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 
+use crate::lanes::Fusing;
 use crate::line_filter::LineFilter;
 use crate::mirror::{mirror, mirror_ends};
 use crate::prefilter::LANES;
@@ -121,8 +122,8 @@ impl FilterBand<'_> {
     }
 
     #[inline(always)]
-    fn run(self, simd: impl Transposition) {
-        filter_columns(self.view, self.filter, self.first, self.band, self.stride);
+    fn run<S: Transposition>(self, simd: S) {
+        filter_columns::<S>(self.view, self.filter, self.first, self.band, self.stride);
         filter_rows(simd, self.filter, self.band, self.stride);
     }
 }
@@ -143,23 +144,35 @@ impl pulp::WithSimd for OnV3<'_> {
 /// Fills the interior columns of `band`, whose first row is row `first` of the image, with the picture filtered down its
 /// columns.
 #[inline(always)]
-fn filter_columns(view: ImageView<'_>, filter: &LineFilter<'_>, first: usize, band: &mut [f32], stride: usize) {
+fn filter_columns<S: Fusing>(
+    view: ImageView<'_>,
+    filter: &LineFilter<'_>,
+    first: usize,
+    band: &mut [f32],
+    stride: usize,
+) {
     let above = filter.warm_up().min(first);
     let rows = (first - above)..(first + band.len() / stride + filter.warm_up()).min(view.height());
     let radius = filter.radius();
     let mut samples = vec![[0.0; LANES]; rows.len() + 2 * radius];
-    let mut lines = vec![[0.0; LANES]; rows.len()];
     let mut u = 0;
     while u < view.width() {
         let lanes = LANES.min(view.width() - u);
         for (index, sample) in samples.iter_mut().enumerate() {
+            // Steps down an image are steps in memory that the processor does not foresee: what the next strip reads is asked for,
+            // and where this one will be written.
+            if let Some(row) = index.checked_sub(above + radius) {
+                let start = row * stride + PADDING + u;
+                (start..=start + LANES).step_by(LINE).for_each(|k| prefetch_index(&*band, k));
+            }
             let v = mirror((rows.start + index) as isize - radius as isize, view.height());
+            view.prefetch(v, u + LANES);
             match lanes {
                 LANES => view.read_segment(v, u, sample),
                 lanes => view.read_segment(v, u, &mut sample[..lanes]),
             }
         }
-        filter.apply(&samples, &mut lines);
+        let lines = filter.apply::<S>(&mut samples);
         for (row, line) in band.chunks_exact_mut(stride).zip(&lines[above..]) {
             copy(&mut row[PADDING + u..PADDING + u + lanes], line);
         }
@@ -169,10 +182,9 @@ fn filter_columns(view: ImageView<'_>, filter: &LineFilter<'_>, first: usize, ba
 
 /// Filters `band` along its rows and mirrors their ends.
 #[inline(always)]
-fn filter_rows(simd: impl Transposition, filter: &LineFilter<'_>, band: &mut [f32], stride: usize) {
+fn filter_rows<S: Transposition>(simd: S, filter: &LineFilter<'_>, band: &mut [f32], stride: usize) {
     let (width, radius) = (stride - 2 * PADDING, filter.radius());
     let mut samples = vec![[0.0; LANES]; width + 2 * radius];
-    let mut lines = vec![[0.0; LANES]; width];
     for rows in band.chunks_mut(LANES * stride) {
         let count = rows.len() / stride;
         simd.transpose([count, width], &rows[PADDING..], stride, samples[radius..].as_flattened_mut(), LANES);
@@ -180,7 +192,7 @@ fn filter_rows(simd: impl Transposition, filter: &LineFilter<'_>, band: &mut [f3
             samples[radius - distance] = samples[radius + mirror(-(distance as isize), width)];
             samples[radius + width - 1 + distance] = samples[radius + mirror((width - 1 + distance) as isize, width)];
         }
-        filter.apply(&samples, &mut lines);
+        let lines = filter.apply::<S>(&mut samples);
         simd.transpose([width, count], lines.as_flattened(), LANES, &mut rows[PADDING..], stride);
         rows.chunks_exact_mut(stride).for_each(|row| mirror_ends(row, PADDING));
     }
@@ -216,7 +228,7 @@ mod tests {
             let filter = LineFilter { weights, prefilter };
             let found = Coefficients::filtered(view, &filter);
             let mut whole = vec![0.0; found.stride * height];
-            filter_columns(view, &filter, 0, &mut whole, found.stride);
+            filter_columns::<pulp::Scalar>(view, &filter, 0, &mut whole, found.stride);
             filter_rows(pulp::Scalar, &filter, &mut whole, found.stride);
             for (found, expected) in found.data[PADDING * found.stride..].iter().zip(&whole) {
                 assert!((found - expected).abs() < 1e-3, "{found} {expected}");

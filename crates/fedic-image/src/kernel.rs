@@ -4,7 +4,7 @@
 //! `[-1/2, 1/2]`, the weights of a tap and of its mirror image are `e(s^2) + s o(s^2)` and `e(s^2) - s o(s^2)`: half the
 //! polynomials, of half the degree. They are data, not code, and kernels of equal size share theirs.
 
-use crate::lanes::{BLOCK, Lane, fused};
+use crate::lanes::{BLOCK, Fusing, Lane, fused};
 
 /// A kernel of `2 HALF` taps. Tap `i` weighs the sample at `floor(x) + i + 1 - HALF`.
 #[derive(Clone)]
@@ -55,36 +55,36 @@ pub(crate) const BSPLINE5: Kernel<3> = Kernel {
 impl<const HALF: usize> Kernel<HALF> {
     /// Weights of the taps at each distance `s` from the middle.
     #[inline(always)]
-    pub(crate) fn weights<const FUSED: bool, const TAPS: usize>(&self, s: &Lane, out: &mut [Lane; TAPS]) {
+    pub(crate) fn weights<S: Fusing, const TAPS: usize>(&self, s: &Lane, out: &mut [Lane; TAPS]) {
         for k in 0..BLOCK {
             let square = s[k] * s[k];
             for i in 0..HALF {
                 let (even, odd) = (&self.even[i], &self.odd[i]);
                 let (mut e, mut o) = (even[HALF - 1], odd[HALF - 1]);
                 for p in (0..HALF - 1).rev() {
-                    e = fused::<FUSED>(e, square, even[p]);
-                    o = fused::<FUSED>(o, square, odd[p]);
+                    e = fused::<S>(e, square, even[p]);
+                    o = fused::<S>(o, square, odd[p]);
                 }
-                out[i][k] = fused::<FUSED>(o, s[k], e);
-                out[2 * HALF - 1 - i][k] = fused::<FUSED>(-o, s[k], e);
+                out[i][k] = fused::<S>(o, s[k], e);
+                out[2 * HALF - 1 - i][k] = fused::<S>(-o, s[k], e);
             }
         }
     }
 
     /// Derivatives of the weights, per pixel, at each distance from the middle.
     #[inline(always)]
-    pub(crate) fn slopes<const FUSED: bool, const TAPS: usize>(&self, s: &Lane, out: &mut [Lane; TAPS]) {
+    pub(crate) fn slopes<S: Fusing, const TAPS: usize>(&self, s: &Lane, out: &mut [Lane; TAPS]) {
         for k in 0..BLOCK {
             let square = s[k] * s[k];
             for i in 0..HALF {
                 let (even, odd) = (&self.even[i], &self.odd[i]);
                 let (mut e, mut o) = (0.0, 0.0);
                 for p in (0..HALF).rev() {
-                    e = fused::<FUSED>(e, square, 2.0 * (p + 1) as f32 * even.get(p + 1).copied().unwrap_or(0.0));
-                    o = fused::<FUSED>(o, square, (2 * p + 1) as f32 * odd[p]);
+                    e = fused::<S>(e, square, 2.0 * (p + 1) as f32 * even.get(p + 1).copied().unwrap_or(0.0));
+                    o = fused::<S>(o, square, (2 * p + 1) as f32 * odd[p]);
                 }
-                out[i][k] = fused::<FUSED>(e, s[k], o);
-                out[2 * HALF - 1 - i][k] = fused::<FUSED>(e, s[k], -o);
+                out[i][k] = fused::<S>(e, s[k], o);
+                out[2 * HALF - 1 - i][k] = fused::<S>(e, s[k], -o);
             }
         }
     }
@@ -99,8 +99,8 @@ mod tests {
     /// Checks one kernel at one fraction; `reference(x)` is the kernel's textbook definition.
     fn check<const HALF: usize, const TAPS: usize>(kernel: &Kernel<HALF>, reference: fn(f64) -> f64, t: f32) {
         let (mut weights, mut slopes) = ([[0.0; BLOCK]; TAPS], [[0.0; BLOCK]; TAPS]);
-        kernel.weights::<false, TAPS>(&[t - 0.5; BLOCK], &mut weights);
-        kernel.slopes::<false, TAPS>(&[t - 0.5; BLOCK], &mut slopes);
+        kernel.weights::<pulp::Scalar, TAPS>(&[t - 0.5; BLOCK], &mut weights);
+        kernel.slopes::<pulp::Scalar, TAPS>(&[t - 0.5; BLOCK], &mut slopes);
         let (weights, slopes) = (weights.map(|lane| lane[BLOCK - 1]), slopes.map(|lane| lane[BLOCK - 1]));
         assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?} do not sum to one");
         assert!(slopes.iter().sum::<f32>().abs() < 1e-5, "{slopes:?} do not sum to zero");

@@ -4,11 +4,12 @@
 //! Both are linear, symmetric about the borders and the same in each direction, so that they can follow each other line by line:
 //! no smoothed image is ever held.
 
+use crate::lanes::{Fusing, fused};
 use crate::prefilter::{LANES, Prefilter};
 
 /// A symmetric finite filter followed by the recursive one of a spline.
 pub(crate) struct LineFilter<'a> {
-    /// Weight of the samples at distance 0, 1, ... on either side.
+    /// Weight of the samples at distance 0, 1, ... on either side; they add up to one.
     pub(crate) weights: &'a [f32],
     pub(crate) prefilter: Option<&'a Prefilter>,
 }
@@ -24,27 +25,27 @@ impl LineFilter<'_> {
         self.prefilter.map_or(0, Prefilter::warm_up)
     }
 
-    /// Filters as many lines as there are lanes; `samples` begin and end [`radius`](Self::radius) further out than `lines`.
+    /// Filters as many lines as there are lanes, in place: of samples that begin and end [`radius`](Self::radius) further out than
+    /// the lines, the first become these, which are returned.
     #[inline(always)]
-    pub(crate) fn apply(&self, samples: &[[f32; LANES]], lines: &mut [[f32; LANES]]) {
-        let radius = self.weights.len() - 1;
-        for (index, line) in lines.iter_mut().enumerate() {
+    pub(crate) fn apply<'a, S: Fusing>(&self, samples: &'a mut [[f32; LANES]]) -> &'a [[f32; LANES]] {
+        let radius = self.radius();
+        let count = samples.len() - 2 * radius;
+        for index in 0..if radius > 0 { count } else { 0 } {
             let window = &samples[index..=index + 2 * radius];
-            let mut sum = [0.0; LANES];
-            for lane in 0..LANES {
-                sum[lane] = self.weights[0] * window[radius][lane];
-            }
-            for (weight, (before, after)) in
-                self.weights[1..].iter().zip(window[..radius].iter().rev().zip(&window[radius + 1..]))
-            {
+            let mut sum = window[radius].map(|sample| self.weights[0] * sample);
+            let pairs = window[..radius].iter().rev().zip(&window[radius + 1..]);
+            for (&weight, (before, after)) in self.weights[1..].iter().zip(pairs) {
                 for lane in 0..LANES {
-                    sum[lane] += weight * (before[lane] + after[lane]);
+                    sum[lane] = fused::<S>(weight, before[lane] + after[lane], sum[lane]);
                 }
             }
-            *line = sum;
+            samples[index] = sum;
         }
+        let lines = &mut samples[..count];
         if let Some(prefilter) = self.prefilter {
-            prefilter.apply(lines);
+            prefilter.apply::<S>(lines);
         }
+        lines
     }
 }

@@ -4,6 +4,8 @@
 //! factors into first-order recursions, one down and one up the line for each pole. They are sequential along a line, so
 //! many lines are filtered side by side: a line of samples is a slice of lanes, one lane per line.
 
+use crate::lanes::{Fusing, fused};
+
 /// Lines filtered together.
 pub(crate) const LANES: usize = 32;
 
@@ -32,9 +34,9 @@ impl Prefilter {
 
     /// Replaces the samples of at least two per lane by their coefficients, mirror boundary at both ends.
     #[inline(always)]
-    pub(crate) fn apply(&self, lines: &mut [[f32; LANES]]) {
+    pub(crate) fn apply<S: Fusing>(&self, lines: &mut [[f32; LANES]]) {
         for &pole in self.poles {
-            apply_pole(pole, lines);
+            apply_pole::<S>(pole, lines);
         }
     }
 }
@@ -44,7 +46,7 @@ fn reach(pole: f64, tolerance: f64) -> usize {
 }
 
 #[inline(always)]
-fn apply_pole(pole: f64, lines: &mut [[f32; LANES]]) {
+fn apply_pole<S: Fusing>(pole: f64, lines: &mut [[f32; LANES]]) {
     let gain = ((1.0 - pole) * (1.0 - 1.0 / pole)) as f32;
     let last_factor = (pole / (pole * pole - 1.0)) as f32;
     let mut state = first_causal(pole, lines);
@@ -56,7 +58,7 @@ fn apply_pole(pole: f64, lines: &mut [[f32; LANES]]) {
         if index > 0 {
             before_last = state;
             for (state, &sample) in state.iter_mut().zip(&*line) {
-                *state = gain * sample + pole * *state;
+                *state = fused::<S>(pole, *state, gain * sample);
             }
         }
         *line = state;
@@ -68,7 +70,7 @@ fn apply_pole(pole: f64, lines: &mut [[f32; LANES]]) {
     for (index, line) in lines.iter_mut().rev().enumerate() {
         if index > 0 {
             for (state, &causal) in state.iter_mut().zip(&*line) {
-                *state = pole * (*state - causal);
+                *state = fused::<S>(pole, *state, -pole * causal);
             }
         }
         *line = state;
@@ -127,7 +129,7 @@ mod tests {
     fn check(prefilter: &Prefilter, spline: &[f64], samples: &[f64]) {
         let mut lines: Vec<[f32; LANES]> =
             samples.iter().map(|&sample| std::array::from_fn(|lane| (sample + lane as f64) as f32)).collect();
-        prefilter.apply(&mut lines);
+        prefilter.apply::<pulp::Scalar>(&mut lines);
         for (k, coefficient) in dense_solve(spline, samples).into_iter().enumerate() {
             for lane in [0, LANES - 1] {
                 let found = f64::from(lines[k][lane]);
@@ -151,7 +153,7 @@ mod tests {
             assert_eq!(prefilter.warm_up(), expected);
             let mut impulse = vec![[0.0; LANES]; 2 * expected + 1];
             impulse[0] = [1.0; LANES];
-            prefilter.apply(&mut impulse);
+            prefilter.apply::<pulp::Scalar>(&mut impulse);
             assert!(impulse[expected][0].abs() < 1e-8, "{}", impulse[expected][0]);
         }
     }

@@ -117,13 +117,13 @@ impl<S: Summation, const HALF: usize, const TAPS: usize, const READINGS: usize> 
         let stride = self.grid.stride as u32;
         let stencils = Stencils { data: self.coefficients.as_slice(), stride, first: &places.first };
         let [u, v] = &places.middle;
-        weigh::<S, HALF, TAPS>(self.kernel, u, columns);
-        weigh::<S, HALF, TAPS>(self.kernel, v, rows);
+        self.kernel.weights::<S, TAPS>(u, columns);
+        self.kernel.weights::<S, TAPS>(v, rows);
         if READINGS == 1 {
             self.summation.sum(stencils, [&*rows], [(0, &*columns)], readings);
         } else {
-            differentiate::<S, HALF, TAPS>(self.kernel, u, column_slopes);
-            differentiate::<S, HALF, TAPS>(self.kernel, v, row_slopes);
+            self.kernel.slopes::<S, TAPS>(u, column_slopes);
+            self.kernel.slopes::<S, TAPS>(v, row_slopes);
             let pairs = [(0, &*columns), (0, &*column_slopes), (1, &*columns)];
             self.summation.sum(stencils, [&*rows, &*row_slopes], pairs, readings);
         }
@@ -186,24 +186,6 @@ fn padded(numbers: &[f32]) -> Lane {
     let mut lane = [numbers[0]; BLOCK];
     lane[..numbers.len()].copy_from_slice(numbers);
     lane
-}
-
-#[inline(always)]
-fn weigh<S: Summation, const HALF: usize, const TAPS: usize>(
-    kernel: &Kernel<HALF>,
-    middle: &Lane,
-    out: &mut [Lane; TAPS],
-) {
-    if S::FUSED { kernel.weights::<true, TAPS>(middle, out) } else { kernel.weights::<false, TAPS>(middle, out) }
-}
-
-#[inline(always)]
-fn differentiate<S: Summation, const HALF: usize, const TAPS: usize>(
-    kernel: &Kernel<HALF>,
-    middle: &Lane,
-    out: &mut [Lane; TAPS],
-) {
-    if S::FUSED { kernel.slopes::<true, TAPS>(middle, out) } else { kernel.slopes::<false, TAPS>(middle, out) }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! Rows of a stencil are contiguous in memory, so they are combined first, each as a whole, and the columns left of several
 //! points are then turned into one lane per column. [`pulp::Scalar`] says it plainly; the version for AVX2 must agree with it.
 
-use crate::lanes::{BLOCK, Lane, fused};
+use crate::lanes::{BLOCK, Fusing, Lane, fused};
 
 /// The weights of a block along one direction: one lane per tap.
 pub(crate) type Weights<const TAPS: usize> = [Lane; TAPS];
@@ -32,10 +32,7 @@ impl<'a> Stencils<'a> {
 }
 
 /// A way of summing, for an instruction set.
-pub(crate) trait Summation: pulp::Simd {
-    /// Whether products and sums are rounded together.
-    const FUSED: bool;
-
+pub(crate) trait Summation: pulp::Simd + Fusing {
     /// For each set `s` of row weights, sums the stencils over their rows with `rows[s]`; then, for each pair `(s, columns)`
     /// of `readings`, over their columns.
     fn sum<const TAPS: usize, const SETS: usize, const READINGS: usize>(
@@ -49,8 +46,6 @@ pub(crate) trait Summation: pulp::Simd {
 
 /// Plain loops, for any processor.
 impl Summation for pulp::Scalar {
-    const FUSED: bool = false;
-
     #[inline(always)]
     fn sum<const TAPS: usize, const SETS: usize, const READINGS: usize>(
         self,
@@ -66,15 +61,14 @@ impl Summation for pulp::Scalar {
                 let coefficients = &window[row * stencils.stride as usize..][..TAPS];
                 for set in 0..SETS {
                     for column in 0..TAPS {
-                        lines[set][column] =
-                            fused::<false>(rows[set][row][k], coefficients[column], lines[set][column]);
+                        lines[set][column] = fused::<Self>(rows[set][row][k], coefficients[column], lines[set][column]);
                     }
                 }
             }
             for (out, (set, columns)) in out.iter_mut().zip(readings) {
                 out[k] = 0.0;
                 for column in 0..TAPS {
-                    out[k] = fused::<false>(lines[set][column], columns[column][k], out[k]);
+                    out[k] = fused::<Self>(lines[set][column], columns[column][k], out[k]);
                 }
             }
         }
@@ -98,8 +92,6 @@ pub(crate) mod avx2 {
     const COLUMNS: usize = 6;
 
     impl Summation for V3 {
-        const FUSED: bool = true;
-
         #[inline(always)]
         fn sum<const TAPS: usize, const SETS: usize, const READINGS: usize>(
             self,

@@ -1,7 +1,9 @@
 //! Rows become columns.
 
+use crate::lanes::Fusing;
+
 /// A way of transposing, for an instruction set.
-pub(crate) trait Transposition: Copy {
+pub(crate) trait Transposition: Fusing {
     /// Writes the numbers of `rows` rows and `columns` columns, whose rows begin every `stride` numbers, as `columns` rows, which
     /// begin every `to_stride` numbers.
     fn transpose(self, size: [usize; 2], from: &[f32], stride: usize, to: &mut [f32], to_stride: usize);

@@ -5,6 +5,7 @@
 
 use std::fmt;
 
+use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 
 use crate::error::ImageError;
@@ -121,6 +122,17 @@ impl<'a> ImageView<'a> {
             Pixels::U8(data) => convert(&data[range], out),
             Pixels::U16(data) => convert(&data[range], out),
             Pixels::F32(data) => out.copy_from_slice(&data[range]),
+        }
+    }
+
+    /// Asks the memory for the pixel `(u, v)` and its neighbours.
+    #[inline]
+    pub(crate) fn prefetch(&self, v: usize, u: usize) {
+        let index = v * self.width + u;
+        match self.pixels {
+            Pixels::U8(data) => prefetch_index(data, index),
+            Pixels::U16(data) => prefetch_index(data, index),
+            Pixels::F32(data) => prefetch_index(data, index),
         }
     }
 
