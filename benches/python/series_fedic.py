@@ -1,16 +1,20 @@
 """Time the next frames of a series with fedic: python series_fedic.py REF DEF X0 Y0 X1 Y1 SIZE THREADS OUT [cubic].
 
-The reference is prepared first, untimed; every frame reads the deformed image again and starts from zero. An iteration
-is timed apart, from the solution on: what several of them take beyond a single one. Outside of the iterations are files
-and what a single iteration takes beyond its own time: the coefficients of the image, the start, the result.
+The reference is prepared first, untimed; every frame reads the deformed image again, starts from zero and is stored in
+a file of its own beside OUT, as those of a series are: to replace a file, one waits for the disk. An iteration is timed
+apart, from the solution on: what several of them take beyond a single one. Outside of the iterations are files and what
+a single iteration takes beyond its own time: the coefficients of the image, the start, the result.
 """
 
 from __future__ import annotations
 
+import itertools
 import statistics
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from fedic_settings import settings
@@ -19,7 +23,7 @@ from measure import Arguments, arguments, report
 if TYPE_CHECKING:
     import fedic
 
-_REPETITIONS = 5
+_REPETITIONS = 15
 _SECONDS = 5.0
 """Nothing is repeated any more after this time, but once."""
 _ITERATIONS = 6
@@ -36,7 +40,8 @@ class Series(NamedTuple):
 def main() -> None:
     """Print medians: of a frame, from file to stored result, and of an iteration; and what is outside of these."""
     given = arguments()
-    series = measured_series(given)
+    with tempfile.TemporaryDirectory(dir=given.out.parent) as folder:
+        series = measured_series(given, Path(folder))
     if not series.result.converged:
         sys.exit(f"not converged after {series.result.iterations} iterations")
     single, several = (seconds_of_iterations(given, number, series.result) for number in (1, _ITERATIONS))
@@ -58,11 +63,12 @@ def prepared(given: Arguments, **options: float) -> fedic.Correlator:
     return fedic.Correlator(fedic.read_image(given.reference, mapped=True), mesh, **settings(given), **options)
 
 
-def measured_series(given: Arguments) -> Series:
-    """Time frames from zero."""
+def measured_series(given: Arguments, folder: Path) -> Series:
+    """Time frames from zero, stored in this folder."""
     import fedic
 
     correlator = prepared(given)
+    files = (folder / f"{number}.npz" for number in itertools.count())
 
     def frame() -> tuple[float, float]:
         start = time.perf_counter()
@@ -70,7 +76,7 @@ def measured_series(given: Arguments) -> Series:
         read = time.perf_counter()
         result = correlator.correlate(deformed)
         correlated = time.perf_counter()
-        result.write(given.out.with_suffix(".npz"))
+        result.write(next(files))
         return time.perf_counter() - start, correlated - read
 
     seconds, measurement = _medians(frame)

@@ -40,18 +40,18 @@ pub(crate) struct Coefficients {
 }
 
 impl Coefficients {
-    /// The grey levels themselves.
-    pub(crate) fn samples(view: ImageView<'_>) -> Self {
-        Self::by_bands(view, 1, |v, row| {
+    /// The grey levels themselves, in `memory` where it is large enough.
+    pub(crate) fn samples(view: ImageView<'_>, memory: Vec<f32>) -> Self {
+        Self::by_bands(view, memory, 1, |v, row| {
             view.read_row(v, &mut row[PADDING..PADDING + view.width()]);
             mirror_ends(row, PADDING);
         })
     }
 
-    /// Those of the interpolant through the grey levels, filtered along each direction.
-    pub(crate) fn filtered(view: ImageView<'_>, filter: &LineFilter<'_>) -> Self {
+    /// Those of the interpolant through the grey levels, filtered along each direction, in `memory` where it is large enough.
+    pub(crate) fn filtered(view: ImageView<'_>, filter: &LineFilter<'_>, memory: Vec<f32>) -> Self {
         let stride = view.width() + 2 * PADDING;
-        Self::by_bands(view, BAND, |v, band| FilterBand { view, filter, first: v, band, stride }.run_best())
+        Self::by_bands(view, memory, BAND, |v, band| FilterBand { view, filter, first: v, band, stride }.run_best())
     }
 
     /// Columns including the margin.
@@ -83,11 +83,26 @@ impl Coefficients {
         &self.data
     }
 
+    /// The memory that they take.
+    pub(crate) fn into_memory(self) -> Vec<f32> {
+        self.data
+    }
+
     /// Calls `fill(v, rows)` in parallel for bands of `band` rows that begin at row `v` of the image, then mirrors the rows
     /// above and below.
-    fn by_bands(view: ImageView<'_>, band: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
+    fn by_bands(
+        view: ImageView<'_>,
+        mut memory: Vec<f32>,
+        band: usize,
+        fill: impl Fn(usize, &mut [f32]) + Sync,
+    ) -> Self {
         let (stride, height) = (view.width() + 2 * PADDING, view.height());
-        let mut data = vec![0.0; stride * (height + 2 * PADDING) + SLACK];
+        let count = stride * (height + 2 * PADDING) + SLACK;
+        if memory.capacity() < count {
+            memory = vec![0.0; count];
+        }
+        memory.resize(count, 0.0);
+        let mut data = memory;
         data[PADDING * stride..(PADDING + height) * stride]
             .par_chunks_mut(band * stride)
             .enumerate()
@@ -226,7 +241,7 @@ mod tests {
         let filters = [(&[1.0][..], Some(&CUBIC)), (&[1.0], Some(&QUINTIC)), (&bell, Some(&QUINTIC)), (&bell, None)];
         for (weights, prefilter) in filters {
             let filter = LineFilter { weights, prefilter };
-            let found = Coefficients::filtered(view, &filter);
+            let found = Coefficients::filtered(view, &filter, Vec::new());
             let mut whole = vec![0.0; found.stride * height];
             filter_columns::<pulp::Scalar>(view, &filter, 0, &mut whole, found.stride);
             filter_rows(pulp::Scalar, &filter, &mut whole, found.stride);
@@ -239,7 +254,7 @@ mod tests {
     #[test]
     fn margin_mirrors_the_interior() {
         let data: Vec<f32> = (0..20).map(|i| i as f32).collect();
-        let found = Coefficients::samples(ImageView::of_checked(5, 4, &data));
+        let found = Coefficients::samples(ImageView::of_checked(5, 4, &data), Vec::new());
         for row in 0..4 + 2 * PADDING {
             for column in 0..5 + 2 * PADDING {
                 let u = mirror(column as isize - PADDING as isize, 5);

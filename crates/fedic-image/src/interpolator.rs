@@ -49,7 +49,7 @@ impl Interpolator {
     /// Prepares the image behind `view` for interpolation of this `kind`.
     #[must_use]
     pub fn new(view: ImageView<'_>, kind: Interpolation) -> Self {
-        Self::filtered(view, kind, &[1.0])
+        Self::filtered(view, kind, &[1.0], Vec::new())
     }
 
     /// Prepares the image smoothed by a Gaussian of standard deviation `sigma`, in pixels: as [`new`](Self::new) does of the
@@ -59,10 +59,19 @@ impl Interpolator {
     ///
     /// [`ImageError::InvalidSigma`] if `sigma` is negative, not a number, or larger than the image.
     pub fn smoothed(view: ImageView<'_>, kind: Interpolation, sigma: f64) -> Result<Self, ImageError> {
-        Ok(Self::filtered(view, kind, &gaussian_weights(view, sigma)?))
+        Ok(Self::filtered(view, kind, &gaussian_weights(view, sigma)?, Vec::new()))
     }
 
-    fn filtered(view: ImageView<'_>, kind: Interpolation, weights: &[f32]) -> Self {
+    /// Prepares the next image of a series as [`smoothed`](Self::smoothed) does, in the memory that this one leaves.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`smoothed`](Self::smoothed).
+    pub fn renewed(self, view: ImageView<'_>, sigma: f64) -> Result<Self, ImageError> {
+        Ok(Self::filtered(view, self.kind, &gaussian_weights(view, sigma)?, self.coefficients.into_memory()))
+    }
+
+    fn filtered(view: ImageView<'_>, kind: Interpolation, weights: &[f32], memory: Vec<f32>) -> Self {
         let (kernel, prefilter) = match kind {
             Interpolation::Bilinear => (AnyKernel::Two(BILINEAR), None),
             Interpolation::Bicubic => (AnyKernel::Four(BICUBIC), None),
@@ -70,9 +79,9 @@ impl Interpolator {
             Interpolation::Bspline5 => (AnyKernel::Six(BSPLINE5), Some(&QUINTIC)),
         };
         let coefficients = if weights.len() == 1 && prefilter.is_none() {
-            Coefficients::samples(view)
+            Coefficients::samples(view, memory)
         } else {
-            Coefficients::filtered(view, &LineFilter { weights, prefilter })
+            Coefficients::filtered(view, &LineFilter { weights, prefilter }, memory)
         };
         Self { kind, kernel, width: view.width(), height: view.height(), coefficients }
     }

@@ -200,7 +200,7 @@ mod tests {
 
     fn coefficients() -> Coefficients {
         let noise: Vec<f32> = (0..SIZE[0] * SIZE[1]).map(|i| (i * i * 7919 / 13 % 256) as f32).collect();
-        Coefficients::samples(ImageView::of_checked(SIZE[0], SIZE[1], &noise))
+        Coefficients::samples(ImageView::of_checked(SIZE[0], SIZE[1], &noise), Vec::new())
     }
 
     /// Values and derivatives by the processor's best instructions, and by plain loops.

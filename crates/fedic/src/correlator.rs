@@ -1,13 +1,14 @@
 //! The reference image prepared once, and the correlation of each deformed image with it.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use fedic_camera::Camera;
-use fedic_image::{ImageView, Interpolator, downsample};
+use fedic_image::{ImageError, ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::alignment::align;
+use crate::cell_view::node_views;
 use crate::gauss_newton::Iterations;
 use crate::level::{Level, LevelSettings};
 use crate::pyramid::Pyramid;
@@ -43,6 +44,8 @@ pub struct Correlator {
     size: [usize; 2],
     level: Level,
     pyramid: OnceLock<Pyramid>,
+    /// The last deformed image: the next one takes its memory.
+    last: Mutex<Option<Interpolator>>,
     pool: Option<ThreadPool>,
 }
 
@@ -87,7 +90,7 @@ impl Correlator {
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_std: 0.0 };
         monitor.progress(&prepared);
         let size = [reference.width(), reference.height()];
-        Ok(Self { system, camera, options, size, level, pyramid: OnceLock::new(), pool })
+        Ok(Self { system, camera, options, size, level, pyramid: OnceLock::new(), last: Mutex::default(), pool })
     }
 
     /// Number of quadrature points.
@@ -209,7 +212,7 @@ impl Correlator {
                 )?
             }
         };
-        let interpolator = Interpolator::smoothed(deformed, self.options.interpolation, self.options.prefilter)?;
+        let interpolator = self.prepare(deformed)?;
         let iterations = Iterations {
             level: 0,
             hessian: self.options.hessian,
@@ -223,22 +226,10 @@ impl Correlator {
             Start::Pyramid(_) => first,
         };
         let outcome = iterations.run(&evaluator, first, &mut history, monitor)?;
-        let pixel_displacement: Vec<[f64; 2]> = self
-            .system
-            .mesh
-            .points()
-            .iter()
-            .zip(&outcome.displacement)
-            .map(|(&point, u)| {
-                let mut displaced = point;
-                displaced.iter_mut().zip(u).for_each(|(x, u)| *x += u);
-                let (from, to) = (self.camera.project(point), self.camera.project(displaced));
-                [to[0] - from[0], to[1] - from[1]]
-            })
-            .collect();
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
         Ok(Solution {
             displacement: self.system.extend(&outcome.displacement),
-            pixel_displacement: self.system.extend(&pixel_displacement),
+            pixel_displacement: self.system.extend(&self.seen(&outcome.displacement)),
             converged: outcome.converged,
             iterations: history.iter().filter(|iteration| iteration.level == 0).count(),
             history,
@@ -247,6 +238,23 @@ impl Correlator {
             outside_cells: outcome.evaluation.outside_cells,
             num_points: self.num_points(),
         })
+    }
+
+    /// Prepares a deformed image.
+    fn prepare(&self, deformed: ImageView<'_>) -> Result<Interpolator, ImageError> {
+        let Options { interpolation, prefilter, .. } = self.options;
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
+        match last {
+            Some(last) => last.renewed(deformed, prefilter),
+            None => Interpolator::smoothed(deformed, interpolation, prefilter),
+        }
+    }
+
+    /// A displacement of the nodes as the camera sees it, in pixels.
+    fn seen(&self, displacement: &[[f64; COMPONENTS]]) -> Vec<[f64; 2]> {
+        let views = |displacement| node_views(&self.system.mesh, self.camera.as_ref(), displacement);
+        let (from, to) = (views(None), views(Some(displacement)));
+        from.iter().zip(&to).map(|(from, to)| [0, 1].map(|c| to.pixel[c] - from.pixel[c])).collect()
     }
 
     fn pyramid(&self, reference: ImageView<'_>, monitor: &dyn Monitor) -> Result<&Pyramid, Error> {
