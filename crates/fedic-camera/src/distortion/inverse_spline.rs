@@ -1,6 +1,6 @@
 //! The non-parametric lens that gives the correction of the distortion (paper, Fig. 13).
 
-use super::newton::{invert, solve};
+use super::newton::solve;
 use super::{Sample, SplineField, approximation};
 use crate::{CameraError, Distortion};
 
@@ -66,8 +66,7 @@ impl InverseSplineDistortion {
     /// [`distort`](Self::distort) and its derivatives: row 0 is `(dx_d/dx, dx_d/dy)`.
     #[inline]
     pub fn distort_with_jacobian(&self, point: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
-        solve(point, point, |at| self.undistort_with_jacobian(at))
-            .map_or(([f64::NAN; 2], [[f64::NAN; 2]; 2]), |(seen, jacobian)| (seen, invert(jacobian)))
+        solve(point, point, |at| self.undistort_with_jacobian(at)).unwrap_or(([f64::NAN; 2], [[f64::NAN; 2]; 2]))
     }
 
     #[inline]

@@ -4,8 +4,8 @@ const MAX_NEWTON: usize = 30;
 /// Relative to one plus the size of a coordinate: one more step squares such an error, which leaves rounding.
 const LAST: f64 = 1e-8;
 
-/// Solves `map(x) = target` from `start` by Newton's method; `map` gives its value and its Jacobian. `None` where the iteration
-/// does not converge.
+/// Solves `map(x) = target` from `start` by Newton's method; `map` gives its value and its Jacobian. The solution, and the inverse
+/// of the Jacobian there; `None` where the iteration does not converge.
 #[inline]
 pub(super) fn solve(
     target: [f64; 2],
@@ -25,7 +25,7 @@ pub(super) fn solve(
         point[0] += inverse[0][0] * rest[0] + inverse[0][1] * rest[1];
         point[1] += inverse[1][0] * rest[0] + inverse[1][1] * rest[1];
         if error <= LAST * size {
-            return Some((point, jacobian));
+            return Some((point, inverse));
         }
     }
     None
@@ -33,7 +33,7 @@ pub(super) fn solve(
 
 /// The inverse of a matrix of two rows.
 #[inline]
-pub(super) fn invert([[a, b], [c, d]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+fn invert([[a, b], [c, d]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let scale = 1.0 / (a * d - b * c);
     [[d * scale, -b * scale], [-c * scale, a * scale]]
 }
