@@ -51,7 +51,7 @@ pub(crate) fn extents<'a>(views: impl Iterator<Item = &'a Sight>) -> [[f64; 2]; 
 impl<'a> CellView<'a> {
     pub(crate) fn new(mesh: &Mesh, cell: usize, views: &'a [Sight], camera: &dyn Camera) -> Self {
         let mut expansion = [None];
-        expand(std::iter::once(mesh.cell(cell)), views, camera, &mut expansion);
+        expand(std::iter::once(mesh.cell(cell)), views, camera, None, &mut expansion);
         Self::expanded(mesh.cell(cell), views, expansion[0])
     }
 
@@ -89,17 +89,21 @@ pub(crate) struct CellsInTurn {
 }
 
 impl CellsInTurn {
-    /// A cell as the camera sees it. `views` and `camera` must be those of the calls before: it serves one pass over the cells.
+    /// A cell as the camera sees it; `followed` says of every cell of the mesh what [`expand`] may know of some. All but `cell`
+    /// must be as in the calls before: it serves one pass over the cells.
     pub(crate) fn view<'a>(
         &mut self,
         mesh: &Mesh,
         cell: usize,
         views: &'a [Sight],
         camera: &dyn Camera,
+        followed: Option<&[bool]>,
     ) -> CellView<'a> {
         if !self.cells.contains(&cell) {
             self.cells = cell..mesh.num_cells().min(cell + TOGETHER);
-            expand(self.cells.clone().map(|cell| mesh.cell(cell)), views, camera, &mut self.expansions);
+            let cells = self.cells.clone().map(|cell| mesh.cell(cell));
+            let followed = followed.map(|followed| &followed[self.cells.clone()]);
+            expand(cells, views, camera, followed, &mut self.expansions);
         }
         CellView::expanded(mesh.cell(cell), views, self.expansions[cell - self.cells.start])
     }

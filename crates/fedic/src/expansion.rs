@@ -39,11 +39,13 @@ pub(crate) struct Expansion {
     pub(crate) jacobian: [[f32; 3]; 4],
 }
 
-/// Finds the polynomials over up to [`TOGETHER`] cells; `None` over those that only the camera can follow.
+/// Finds the polynomials over up to [`TOGETHER`] cells; `None` over those that only the camera can follow. Where `followed` says
+/// of each cell whether a polynomial does so, because it did when the cells were hardly elsewhere, none is compared with the camera.
 pub(crate) fn expand<'a>(
     cells: impl Iterator<Item = Cell<'a>> + Clone,
     views: &[Sight],
     camera: &dyn Camera,
+    followed: Option<&[bool]>,
     expansions: &mut [Option<Expansion>],
 ) {
     let each = expansions.iter_mut().zip(cells.clone());
@@ -52,14 +54,15 @@ pub(crate) fn expand<'a>(
         return;
     }
     let in_pieces = camera.is_in_pieces();
+    let checks_of = |fit: &'static Fit| if followed.is_some() { &[] } else { fit.checks(in_pieces) };
     let asked = cells.take(TOGETHER).flat_map(|cell| {
         let fit = Fit::of(cell.cell_type);
-        let shapes = std::iter::once(&fit.centre_shape).chain(fit.checks(in_pieces).iter().map(|check| &check.shape));
+        let shapes = std::iter::once(&fit.centre_shape).chain(checks_of(fit).iter().map(|check| &check.shape));
         shapes.map(move |shape| interpolate(shape, cell, views))
     });
     let sights = Sights::new(camera, asked);
     let (precision, mut centre) = (camera.precision(), 0);
-    for (expansion, cell) in each {
+    for (index, (expansion, cell)) in each.enumerate() {
         let fit = Fit::of(cell.cell_type);
         let draft = match cell.nodes.len() {
             3 => Draft::new::<3>,
@@ -68,8 +71,9 @@ pub(crate) fn expand<'a>(
             8 => Draft::new::<8>,
             _ => Draft::new::<MAX_NODES>,
         }(fit, cell.nodes, views, sights.at(centre).pixel);
-        let checks = fit.checks(in_pieces);
-        let agrees = checks.iter().zip(centre + 1..).all(|(check, k)| draft.agrees(check, &sights.at(k), precision));
+        let checks = checks_of(fit);
+        let agrees = followed.is_none_or(|followed| followed[index])
+            && checks.iter().zip(centre + 1..).all(|(check, k)| draft.agrees(check, &sights.at(k), precision));
         *expansion = if agrees { draft.finished() } else { None };
         centre += 1 + checks.len();
     }
@@ -220,7 +224,7 @@ mod tests {
     fn expand_one(cell_type: CellType, views: &[Sight], camera: &dyn Camera) -> Option<Expansion> {
         let nodes: Vec<u32> = (0..views.len() as u32).collect();
         let mut expansion = [None];
-        expand(std::iter::once(Cell { cell_type, nodes: &nodes }), views, camera, &mut expansion);
+        expand(std::iter::once(Cell { cell_type, nodes: &nodes }), views, camera, None, &mut expansion);
         expansion[0]
     }
 
@@ -337,10 +341,13 @@ mod tests {
             }
             let mut together = [None; TOGETHER];
             let cells = cells.iter().map(|(cell_type, nodes)| Cell { cell_type: *cell_type, nodes });
-            expand(cells.clone(), &views, camera, &mut together);
+            expand(cells.clone(), &views, camera, None, &mut together);
+            let (followed, mut again) = (together.each_ref().map(Option::is_some), [None; TOGETHER]);
+            expand(cells.clone(), &views, camera, Some(&followed), &mut again);
+            assert_eq!(format!("{again:?}"), format!("{together:?}"));
             for (cell, expansion) in cells.zip(&together) {
                 let mut alone = [None];
-                expand(std::iter::once(cell), &views, camera, &mut alone);
+                expand(std::iter::once(cell), &views, camera, None, &mut alone);
                 assert_eq!(format!("{expansion:?}"), format!("{:?}", alone[0]));
             }
             assert!(together.iter().flatten().count() >= 3);

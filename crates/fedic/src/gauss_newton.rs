@@ -4,6 +4,9 @@ use crate::residual::{Evaluation, Evaluator};
 use crate::sights::Sight;
 use crate::{COMPONENTS, Error, Hessian, Iteration, Monitor, Progress, SolveError, Stage};
 
+/// Pixels that a mesh may move before its polynomials are compared with the camera again.
+const UNCHECKED: f64 = 1.0;
+
 /// How the iterations run on a level.
 pub(crate) struct Iterations {
     pub(crate) level: usize,
@@ -34,11 +37,13 @@ impl Iterations {
     ) -> Result<Outcome, Error> {
         let (system, level) = (evaluator.system, evaluator.level);
         let mut brightness = evaluator.first_correction(&displacement, monitor)?;
+        let (mut followed, mut moved) = (None::<Vec<bool>>, 0.0);
         let mut iteration = 0;
         loop {
             iteration += 1;
             let with_hessian = self.hessian == Hessian::Updated;
-            let mut evaluation = evaluator.evaluate(&displacement, brightness, with_hessian, monitor)?;
+            let mut evaluation =
+                evaluator.evaluate(&displacement, brightness, followed.as_deref(), with_hessian, monitor)?;
             brightness = evaluation.correction;
             let mut step = std::mem::take(&mut evaluation.right_hand_side);
             if let Some(penalty) = level.penalty {
@@ -60,6 +65,8 @@ impl Iterations {
             if corrections.iter().any(|&c| self.is_too_large(c)) {
                 return Err(self.diverged(evaluator, iteration, &corrections));
             }
+            moved = if followed.is_some() { moved + correction } else { correction };
+            followed = (moved <= UNCHECKED).then(|| std::mem::take(&mut evaluation.followed));
             for (u, step) in displacement.iter_mut().zip(step) {
                 for (u, step) in u.iter_mut().zip(step) {
                     *u += step;

@@ -54,7 +54,7 @@ impl ReferenceReader<'_> {
         scale: f64,
     ) -> CellReading {
         let count = self.quadrature.range(cell).len();
-        let view = work.cells.view(self.mesh, cell, self.views, self.camera);
+        let view = work.cells.view(self.mesh, cell, self.views, self.camera, None);
         work.resize(count);
         self.read(work, cell, &view, rows.value);
         let CellPointsMut { value, weights, .. } = &mut rows;

@@ -35,6 +35,8 @@ pub(crate) struct Evaluation {
     pub(crate) correction: Correction,
     /// The displaced nodes.
     pub(crate) views: Vec<Sight>,
+    /// Whether a polynomial follows the camera over each cell.
+    pub(crate) followed: Vec<bool>,
 }
 
 /// What varies between evaluations.
@@ -48,11 +50,13 @@ pub(crate) struct Evaluator<'a> {
 
 impl Evaluator<'_> {
     /// Evaluates the residual. The correction of brightness over the whole mesh is known only when all points are read:
-    /// `guess` serves for the reading, and the right-hand side follows what is then found to first order.
+    /// `guess` serves for the reading, and the right-hand side follows what is then found to first order. `followed` is what an
+    /// evaluation nearby has found, if any.
     pub(crate) fn evaluate(
         &self,
         displacement: &[[f64; COMPONENTS]],
         guess: Correction,
+        followed: Option<&[bool]>,
         with_hessian: bool,
         monitor: &dyn Monitor,
     ) -> Result<Evaluation, Error> {
@@ -62,6 +66,7 @@ impl Evaluator<'_> {
         let mut right_hand_side = vec![0.0; pattern.num_dofs()];
         let mut hessian = with_hessian.then(|| SymmetricMatrix::zeros(pattern));
         let mut cell_residuals = Vec::with_capacity(num_cells);
+        let mut followed_cells = Vec::with_capacity(num_cells);
         let mut outside_cells = Vec::new();
         let (mut moments, mut squares) = (Moments::default(), 0.0);
         for_each_cell(
@@ -69,7 +74,7 @@ impl Evaluator<'_> {
             monitor,
             |work, cell, _| {
                 let ahead = Ahead::new(self.deformed, &self.system.mesh, Some(cell + 1), &views);
-                let view = work.cells.view(&self.system.mesh, cell, &views, self.level.camera.as_ref());
+                let view = work.cells.view(&self.system.mesh, cell, &views, self.level.camera.as_ref(), followed);
                 self.evaluate_cell(work, cell, &view, guess, with_hessian, ahead.as_ref())
             },
             |cell, result| {
@@ -80,6 +85,7 @@ impl Evaluator<'_> {
                 moments.add(&result.moments);
                 squares += result.squares;
                 cell_residuals.push((result.squares / result.moments.weight).sqrt());
+                followed_cells.push(result.followed);
                 if result.outside {
                     outside_cells.push(cell);
                 }
@@ -99,6 +105,7 @@ impl Evaluator<'_> {
             outside_cells,
             correction,
             views,
+            followed: followed_cells,
         })
     }
 
@@ -247,6 +254,7 @@ impl Evaluator<'_> {
             squares: 0.0,
             moments,
             hessian: with_hessian.then(|| CellHessian::new(cell_type.num_nodes())),
+            followed: view.expansion.is_some(),
             outside,
         };
         let Work { own_table, grey, q, weights, weighted, .. } = work;
@@ -291,6 +299,7 @@ pub(crate) struct CellResult {
     pub(crate) squares: f64,
     pub(crate) moments: Moments,
     pub(crate) hessian: Option<CellHessian>,
+    followed: bool,
     outside: bool,
 }
 

@@ -19,7 +19,7 @@ pub(crate) fn residual_map(
 ) -> Result<Vec<f32>, Error> {
     let (system, camera) = (evaluator.system, evaluator.level.camera.as_ref());
     let first = evaluator.first_correction(displacement, monitor)?;
-    let over_mesh = evaluator.evaluate(displacement, first, false, monitor)?.correction;
+    let over_mesh = evaluator.evaluate(displacement, first, None, false, monitor)?.correction;
     let over_mesh = over_mesh.without_pivot(f64::from(evaluator.level.pivot));
     let views = node_views(&system.mesh, camera, Some(displacement));
     let pixels = CellQuadrature::new(&system.mesh, camera, Quadrature::Pixel)?;
