@@ -1,7 +1,7 @@
 //! What can be wrong with an image or with what is asked of it.
 
 use crate::interpolation::Interpolation;
-use crate::view::MIN_SIZE;
+use crate::view::{MAX_PIXELS, MIN_SIZE};
 
 /// Why an image, or an operation on it, was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,6 +18,14 @@ pub enum ImageError {
     /// One of the two sizes is below [`MIN_SIZE`].
     #[error("the image is too small: {width} x {height} pixels, at least {MIN_SIZE} x {MIN_SIZE} are needed")]
     TooSmall {
+        /// Number of columns.
+        width: usize,
+        /// Number of rows.
+        height: usize,
+    },
+    /// There are more than [`MAX_PIXELS`] pixels.
+    #[error("the image is too large: {width} x {height} pixels, at most {MAX_PIXELS} are possible; cut it in parts")]
+    TooLarge {
         /// Number of columns.
         width: usize,
         /// Number of rows.

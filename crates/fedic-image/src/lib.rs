@@ -43,4 +43,4 @@ pub use image::Image;
 pub use interpolation::Interpolation;
 pub use interpolator::Interpolator;
 pub use pyramid::downsample;
-pub use view::{ImageView, MIN_SIZE, Pixels};
+pub use view::{ImageView, MAX_PIXELS, MIN_SIZE, Pixels};

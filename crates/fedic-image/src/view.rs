@@ -14,6 +14,9 @@ use crate::image::Image;
 /// Smallest width and height of an image, in pixels: what the mirror padding of the interpolation needs.
 pub const MIN_SIZE: usize = 4;
 
+/// Most pixels of an image: those of one are numbered by 32 bits, its margins included.
+pub const MAX_PIXELS: usize = 1 << 30;
+
 /// Grey levels per task when a whole image is searched for values that are not finite.
 const CHECK_CHUNK: usize = 1 << 16;
 
@@ -39,7 +42,7 @@ impl Pixels<'_> {
     }
 }
 
-/// A borrowed image of at least [`MIN_SIZE`] x [`MIN_SIZE`] pixels, every grey level finite.
+/// A borrowed image of at least [`MIN_SIZE`] x [`MIN_SIZE`] and at most [`MAX_PIXELS`] pixels, every grey level finite.
 ///
 /// # Examples
 ///
@@ -65,7 +68,7 @@ impl<'a> ImageView<'a> {
     ///
     /// # Errors
     ///
-    /// [`ImageError::Empty`] and [`ImageError::TooSmall`] for the sizes, [`ImageError::LengthMismatch`] if `pixels` does not
+    /// [`ImageError::Empty`], [`ImageError::TooSmall`] and [`ImageError::TooLarge`] for the sizes, [`ImageError::LengthMismatch`] if `pixels` does not
     /// hold `width * height` grey levels, [`ImageError::NonFinite`] for the first infinite value or NaN.
     pub fn new(width: usize, height: usize, pixels: Pixels<'a>) -> Result<Self, ImageError> {
         if width == 0 || height == 0 {
@@ -77,6 +80,9 @@ impl<'a> ImageView<'a> {
         }
         if width < MIN_SIZE || height < MIN_SIZE {
             return Err(ImageError::TooSmall { width, height });
+        }
+        if expected > MAX_PIXELS {
+            return Err(ImageError::TooLarge { width, height });
         }
         if let Pixels::F32(data) = pixels
             && let Some(index) = first_non_finite(data)

@@ -229,3 +229,23 @@ fn smoothing_on_the_way_is_smoothing_first() {
         }
     }
 }
+
+#[test]
+fn the_next_image_is_read_as_if_nothing_had_been_there() {
+    let u: Vec<f64> = (0..300).map(|index| f64::from(index % 40) - 0.4).collect();
+    let v: Vec<f64> = (0..300).map(|index| f64::from(index / 12) + 0.1).collect();
+    let read = |interpolator: &Interpolator| {
+        let mut values = vec![0.0; u.len()];
+        interpolator.values(&u, &v, &mut values);
+        values.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+    };
+    let next = noise(43, 30);
+    for kind in Interpolation::ALL {
+        for (width, height) in [(43, 30), (60, 50), (12, 9)] {
+            let before = Interpolator::smoothed(noise(width, height).view(), kind, 0.0).unwrap();
+            let renewed = before.renewed(next.view(), 0.8).unwrap();
+            assert_eq!(read(&renewed), read(&Interpolator::smoothed(next.view(), kind, 0.8).unwrap()), "{kind}");
+            assert!(renewed.renewed(next.view(), -1.0).is_err());
+        }
+    }
+}

@@ -5,7 +5,7 @@
 mod common;
 
 use common::noise;
-use fedic_image::{Image, ImageError, ImageView, Interpolation, Pixels, downsample, gaussian_filter};
+use fedic_image::{Image, ImageError, ImageView, Interpolation, MAX_PIXELS, Pixels, downsample, gaussian_filter};
 use proptest::prelude::*;
 
 #[test]
@@ -18,6 +18,16 @@ fn sizes_and_lengths_are_checked() {
     assert_eq!(view(5, 6, 29), Err(mismatch));
     assert_eq!(view(4, 4, 16), Ok(()));
     assert!(view(usize::MAX, 2, 100).is_err());
+}
+
+#[test]
+fn an_image_too_large_to_be_numbered_is_refused() {
+    let height = MAX_PIXELS / 4 + 1;
+    // Memory that nothing touches is never fetched.
+    let data = vec![0_u8; 4 * height];
+    let view = |height| ImageView::new(4, height, Pixels::U8(&data[..4 * height])).map(|_| ());
+    assert_eq!(view(height), Err(ImageError::TooLarge { width: 4, height }));
+    assert_eq!(view(height - 1), Ok(()));
 }
 
 #[test]
@@ -37,6 +47,10 @@ fn errors_speak_to_people() {
     assert_eq!(
         text(ImageError::TooSmall { width: 5, height: 3 }),
         "the image is too small: 5 x 3 pixels, at least 4 x 4 are needed"
+    );
+    assert_eq!(
+        text(ImageError::TooLarge { width: 40_000, height: 30_000 }),
+        "the image is too large: 40000 x 30000 pixels, at most 1073741824 are possible; cut it in parts"
     );
     assert_eq!(
         text(ImageError::LengthMismatch { width: 5, height: 6, expected: 30, found: 29 }),

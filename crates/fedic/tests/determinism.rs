@@ -60,3 +60,18 @@ fn the_number_of_threads_changes_no_bit_of_the_standard_deviations() {
         assert_eq!(deviations(num_threads), alone, "{num_threads:?} threads");
     }
 }
+
+#[test]
+fn a_frame_leaves_nothing_to_the_next() {
+    let speckle = Speckle::new(5.0, 0.5, 3).unwrap();
+    let [reference, first] = render(&ImageFrame, [200, 200], speckle, Motion::translation([2.3, -1.6]));
+    let [_, second] = render(&ImageFrame, [200, 200], speckle, Motion::translation([-0.7, 1.2]));
+    let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
+    let correlator =
+        || Correlator::new(reference.view(), &mesh, Arc::new(ImageFrame), Options::default(), &()).unwrap();
+    let solve =
+        |correlator: &Correlator, image: &Image| bits(&correlator.correlate(image.view(), Start::Zero, &()).unwrap());
+    let used = correlator();
+    solve(&used, &first);
+    assert_eq!(solve(&used, &second), solve(&correlator(), &second));
+}

@@ -1,0 +1,90 @@
+//! How often the polynomials over the cells are compared with the camera.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod common;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use common::{Motion, render, warped_mesh};
+use fedic::{
+    BrownDistortion, Camera, CellType, Correlator, Monitor, Options, Pinhole, Progress, Speckle, Start,
+    rotation_from_vector,
+};
+
+/// A camera that counts the points it is asked for.
+struct Counting {
+    camera: Pinhole,
+    asked: AtomicUsize,
+}
+
+impl Camera for Counting {
+    fn project(&self, point: [f64; 3]) -> [f64; 2] {
+        self.camera.project(point)
+    }
+
+    fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
+        self.camera.project_with_jacobian(point)
+    }
+
+    fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3] {
+        self.camera.unproject_linear(pixel, z)
+    }
+
+    fn project_with_jacobian_batch(
+        &self,
+        x: &[f64],
+        y: &[f64],
+        z: &[f64],
+        u: &mut [f64],
+        v: &mut [f64],
+        jacobian: &mut [[&mut [f64]; 3]; 2],
+    ) {
+        self.asked.fetch_add(x.len(), Ordering::Relaxed);
+        self.camera.project_with_jacobian_batch(x, y, z, u, v, jacobian);
+    }
+}
+
+/// What had been asked at each iteration, and the correction found.
+struct Record<'a>(&'a Counting, Mutex<Vec<(usize, f64)>>);
+
+impl Monitor for Record<'_> {
+    fn progress(&self, progress: &Progress) {
+        if progress.iteration > 0 {
+            self.1.lock().unwrap().push((self.0.asked.load(Ordering::Relaxed), progress.correction));
+        }
+    }
+}
+
+#[test]
+fn polynomials_are_compared_again_after_a_pixel() {
+    let lens = BrownDistortion::new([-0.05, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap();
+    let rotation = rotation_from_vector([std::f64::consts::PI, 0.1, 0.0]);
+    let camera = Pinhole::new([1000.0; 2], [100.0; 2], rotation, [0.0, 0.0, 1000.0]).unwrap().with_distortion(lens);
+    let camera = Arc::new(Counting { camera, asked: AtomicUsize::new(0) });
+    let speckle = Speckle::new(8.0, 0.5, 3).unwrap();
+    let images = render(camera.as_ref(), [200, 200], speckle, Motion::translation([2.1, -1.4]));
+    let mesh = warped_mesh([-70.0, -70.0, 70.0, 70.0], 14.0, CellType::Quad, 0.5);
+    let options = Options { tolerance: 1e-5, num_threads: Some(1), ..Options::default() };
+    let shared: Arc<dyn Camera> = Arc::<Counting>::clone(&camera);
+    let correlator = Correlator::new(images[0].view(), &mesh, shared, options, &()).unwrap();
+    let record = Record(&camera, Mutex::default());
+    let solution = correlator.correlate(images[1].view(), Start::Zero, &record).unwrap();
+    assert!(solution.converged);
+
+    let record = record.1.into_inner().unwrap();
+    let asked: Vec<usize> = record.windows(2).map(|pair| pair[1].0 - pair[0].0 - mesh.num_nodes()).collect();
+    // One point per cell, its centre, and as many for comparing; some cells are expanded twice, the same ones each time.
+    let centres = *asked.iter().min().unwrap();
+    assert!(centres >= mesh.num_cells());
+    let mut moved = 0.0;
+    for (asked, (_, correction)) in asked.iter().zip(&record) {
+        moved += correction;
+        assert_eq!(*asked, if moved > 1.0 { 2 * centres } else { centres }, "moved by {moved} px");
+        if moved > 1.0 {
+            moved = 0.0;
+        }
+    }
+    assert!(asked.contains(&(2 * centres)), "{record:?}");
+}
