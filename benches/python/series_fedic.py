@@ -38,7 +38,7 @@ class Series(NamedTuple):
 
 
 def main() -> None:
-    """Print medians: of a frame, from file to stored result, and of an iteration; and what is outside of these."""
+    """Print the times of a frame, from file to stored result, and of an iteration, and what is outside of these."""
     given = arguments()
     with tempfile.TemporaryDirectory(dir=given.out.parent) as folder:
         series = measured_series(given, Path(folder))
@@ -46,6 +46,7 @@ def main() -> None:
         sys.exit(f"not converged after {series.result.iterations} iterations")
     single, several = (seconds_of_iterations(given, number, series.result) for number in (1, _ITERATIONS))
     iteration = (several - single) / (_ITERATIONS - 1)
+    series.result.write(given.out.with_suffix(".npz"))
     report(
         frame=series.frame,
         iteration=iteration,
@@ -79,12 +80,12 @@ def measured_series(given: Arguments, folder: Path) -> Series:
         result.write(next(files))
         return time.perf_counter() - start, correlated - read
 
-    seconds, measurement = _medians(frame)
+    seconds, measurement = (statistics.median(column) for column in zip(*_repeated(frame), strict=True))
     return Series(seconds, measurement, correlator.correlate(fedic.read_image(given.deformed, mapped=True)))
 
 
 def seconds_of_iterations(given: Arguments, number: int, solution: fedic.Result) -> float:
-    """Time a measurement of so many iterations from its own solution on."""
+    """Time a measurement of so many iterations from its own solution on: the fastest."""
     import fedic
 
     # No correction is as small as this tolerance.
@@ -96,17 +97,17 @@ def seconds_of_iterations(given: Arguments, number: int, solution: fedic.Result)
         correlator.correlate(deformed, initial=solution.displacement)
         return (time.perf_counter() - start,)
 
-    return _medians(iterate)[0]
+    return min(_repeated(iterate))[0]
 
 
-def _medians(measure: Callable[[], tuple[float, ...]]) -> list[float]:
-    """Return the medians of what is measured a few times, after a first time that does not count."""
+def _repeated(measure: Callable[[], tuple[float, ...]]) -> list[tuple[float, ...]]:
+    """Return what is measured a few times, after a first time that does not count."""
     measure()
     begin = time.perf_counter()
     found = []
     while not found or (len(found) < _REPETITIONS and time.perf_counter() - begin < _SECONDS):
         found.append(measure())
-    return [statistics.median(column) for column in zip(*found, strict=True)]
+    return found
 
 
 if __name__ == "__main__":

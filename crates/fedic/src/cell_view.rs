@@ -23,18 +23,36 @@ pub(crate) struct CellView<'a> {
 pub(crate) fn node_views(mesh: &Mesh, camera: &dyn Camera, displacement: Option<&[[f64; COMPONENTS]]>) -> Vec<Sight> {
     let mut views = vec![Sight::default(); mesh.num_nodes()];
     views.par_chunks_mut(MOST_SIGHTS).enumerate().for_each(|(chunk, views)| {
-        let nodes = chunk * MOST_SIGHTS..mesh.num_nodes();
-        let places = nodes.map(|node| {
-            let mut place = mesh.points()[node];
-            if let Some(displacement) = displacement {
-                place.iter_mut().zip(displacement[node]).for_each(|(x, u)| *x += u);
-            }
-            place
-        });
-        let sights = Sights::new(camera, places);
+        let sights = sights(mesh, camera, displacement, chunk);
         views.iter_mut().enumerate().for_each(|(k, view)| *view = sights.at(k));
     });
     views
+}
+
+/// A displacement of the nodes as the camera sees it, in pixels.
+pub(crate) fn seen_displacement(mesh: &Mesh, camera: &dyn Camera, displacement: &[[f64; COMPONENTS]]) -> Vec<[f64; 2]> {
+    let mut seen = vec![[0.0; 2]; mesh.num_nodes()];
+    seen.par_chunks_mut(MOST_SIGHTS).enumerate().for_each(|(chunk, seen)| {
+        let [from, to] = [None, Some(displacement)].map(|displacement| sights(mesh, camera, displacement, chunk));
+        for (k, seen) in seen.iter_mut().enumerate() {
+            let (from, to) = (from.at(k).pixel, to.at(k).pixel);
+            *seen = [to[0] - from[0], to[1] - from[1]];
+        }
+    });
+    seen
+}
+
+/// The nodes of a chunk of [`MOST_SIGHTS`].
+fn sights(mesh: &Mesh, camera: &dyn Camera, displacement: Option<&[[f64; COMPONENTS]]>, chunk: usize) -> Sights {
+    let nodes = chunk * MOST_SIGHTS..mesh.num_nodes();
+    let places = nodes.map(|node| {
+        let mut place = mesh.points()[node];
+        if let Some(displacement) = displacement {
+            place.iter_mut().zip(displacement[node]).for_each(|(x, u)| *x += u);
+        }
+        place
+    });
+    Sights::new(camera, places)
 }
 
 /// Least and greatest pixel coordinate of some nodes, along `u` and along `v`.

@@ -8,7 +8,7 @@ use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::alignment::align;
-use crate::cell_view::node_views;
+use crate::cell_view::seen_displacement;
 use crate::gauss_newton::Iterations;
 use crate::level::{Level, LevelSettings};
 use crate::pyramid::Pyramid;
@@ -20,6 +20,10 @@ use crate::{
 
 /// From this number of unknowns on the factor is worth making small: it would take 5 MB, which each iteration reads twice.
 const COMPACT_DOFS: usize = 10_000;
+
+/// Largest image, in pixels, whose memory is kept for the next one. Memory of larger ones comes from the system, already zero
+/// and a page at a time; it would be missed between the frames.
+const KEPT_PIXELS: usize = 1 << 24;
 
 /// Where the iterations start. `Zero` and `Field` are improved first where the mesh has many cells: by a field of cubic
 /// polynomials fitted to a few hundred of them, if that lowers the residual there.
@@ -226,10 +230,13 @@ impl Correlator {
             Start::Pyramid(_) => first,
         };
         let outcome = iterations.run(&evaluator, first, &mut history, monitor)?;
-        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
+        if self.size[0] * self.size[1] <= KEPT_PIXELS {
+            *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
+        }
+        let seen = seen_displacement(&self.system.mesh, self.camera.as_ref(), &outcome.displacement);
         Ok(Solution {
             displacement: self.system.extend(&outcome.displacement),
-            pixel_displacement: self.system.extend(&self.seen(&outcome.displacement)),
+            pixel_displacement: self.system.extend(&seen),
             converged: outcome.converged,
             iterations: history.iter().filter(|iteration| iteration.level == 0).count(),
             history,
@@ -248,13 +255,6 @@ impl Correlator {
             Some(last) => last.renewed(deformed, prefilter),
             None => Interpolator::smoothed(deformed, interpolation, prefilter),
         }
-    }
-
-    /// A displacement of the nodes as the camera sees it, in pixels.
-    fn seen(&self, displacement: &[[f64; COMPONENTS]]) -> Vec<[f64; 2]> {
-        let views = |displacement| node_views(&self.system.mesh, self.camera.as_ref(), displacement);
-        let (from, to) = (views(None), views(Some(displacement)));
-        from.iter().zip(&to).map(|(from, to)| [0, 1].map(|c| to.pixel[c] - from.pixel[c])).collect()
     }
 
     fn pyramid(&self, reference: ImageView<'_>, monitor: &dyn Monitor) -> Result<&Pyramid, Error> {
