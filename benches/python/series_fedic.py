@@ -104,7 +104,7 @@ def _repeated(measure: Callable[[], tuple[float, ...]]) -> list[tuple[float, ...
     """Return what is measured a few times, after a first time that does not count."""
     measure()
     begin = time.perf_counter()
-    found = []
+    found: list[tuple[float, ...]] = []
     while not found or (len(found) < _REPETITIONS and time.perf_counter() - begin < _SECONDS):
         found.append(measure())
     return found
