@@ -89,20 +89,15 @@ impl Coefficients {
     }
 
     /// Calls `fill(v, rows)` in parallel for bands of `band` rows that begin at row `v` of the image, then mirrors the rows
-    /// above and below.
-    fn by_bands(
-        view: ImageView<'_>,
-        mut memory: Vec<f32>,
-        band: usize,
-        fill: impl Fn(usize, &mut [f32]) + Sync,
-    ) -> Self {
+    /// above and below. All of `data` is written anew.
+    fn by_bands(view: ImageView<'_>, mut data: Vec<f32>, band: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let (stride, height) = (view.width() + 2 * PADDING, view.height());
         let count = stride * (height + 2 * PADDING) + SLACK;
-        if memory.capacity() < count {
-            memory = vec![0.0; count];
+        if data.capacity() < count {
+            // From the system, whose zeros cost nothing.
+            data = vec![0.0; count];
         }
-        memory.resize(count, 0.0);
-        let mut data = memory;
+        data.resize(count, 0.0);
         data[PADDING * stride..(PADDING + height) * stride]
             .par_chunks_mut(band * stride)
             .enumerate()

@@ -31,7 +31,9 @@ impl LineFilter<'_> {
     pub(crate) fn apply<'a, S: Fusing>(&self, samples: &'a mut [[f32; LANES]]) -> &'a [[f32; LANES]] {
         let radius = self.radius();
         let count = samples.len() - 2 * radius;
-        for index in 0..if radius > 0 { count } else { 0 } {
+        // A weight alone is one.
+        let smoothed = if radius > 0 { count } else { 0 };
+        for index in 0..smoothed {
             let window = &samples[index..=index + 2 * radius];
             let mut sum = window[radius].map(|sample| self.weights[0] * sample);
             let pairs = window[..radius].iter().rev().zip(&window[radius + 1..]);
