@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use prefetch_index::prefetch_index;
+use fedic_memory::{Row, prefetch};
 use rayon::prelude::*;
 
 use crate::lanes::Fusing;
@@ -23,9 +23,6 @@ pub(crate) const PADDING: usize = 3;
 /// Numbers after the last row, so that eight can be read where six are needed.
 const SLACK: usize = 2;
 
-/// Numbers in a cache line.
-const LINE: usize = 16;
-
 /// Most coefficients asked for at once: half of the cache next to the processor.
 const MOST_ASKED: usize = 4096;
 
@@ -36,12 +33,12 @@ const BAND: usize = 256;
 #[derive(Clone)]
 pub(crate) struct Coefficients {
     stride: usize,
-    data: Vec<f32>,
+    data: Row<f32>,
 }
 
 impl Coefficients {
     /// The grey levels themselves, in `memory` where it is large enough.
-    pub(crate) fn samples(view: ImageView<'_>, memory: Vec<f32>) -> Self {
+    pub(crate) fn samples(view: ImageView<'_>, memory: Row<f32>) -> Self {
         Self::by_bands(view, memory, 1, |v, row| {
             view.read_row(v, &mut row[PADDING..PADDING + view.width()]);
             mirror_ends(row, PADDING);
@@ -49,7 +46,7 @@ impl Coefficients {
     }
 
     /// Those of the interpolant through the grey levels, filtered along each direction, in `memory` where it is large enough.
-    pub(crate) fn filtered(view: ImageView<'_>, filter: &LineFilter<'_>, memory: Vec<f32>) -> Self {
+    pub(crate) fn filtered(view: ImageView<'_>, filter: &LineFilter<'_>, memory: Row<f32>) -> Self {
         let stride = view.width() + 2 * PADDING;
         Self::by_bands(view, memory, BAND, |v, band| FilterBand { view, filter, first: v, band, stride }.run_best())
     }
@@ -73,8 +70,8 @@ impl Coefficients {
         }
         for row in rows {
             let start = row * self.stride;
-            columns.clone().step_by(LINE).for_each(|column| prefetch_index(&self.data, start + column));
-            prefetch_index(&self.data, start + columns.end - 1);
+            prefetch(&self.data, start + columns.start, columns.len());
+            prefetch(&self.data, start + columns.end - 1, 1);
         }
     }
 
@@ -84,20 +81,16 @@ impl Coefficients {
     }
 
     /// The memory that they take.
-    pub(crate) fn into_memory(self) -> Vec<f32> {
+    pub(crate) fn into_memory(self) -> Row<f32> {
         self.data
     }
 
     /// Calls `fill(v, rows)` in parallel for bands of `band` rows that begin at row `v` of the image, then mirrors the rows
     /// above and below. All of `data` is written anew.
-    fn by_bands(view: ImageView<'_>, mut data: Vec<f32>, band: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
+    fn by_bands(view: ImageView<'_>, mut data: Row<f32>, band: usize, fill: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let (stride, height) = (view.width() + 2 * PADDING, view.height());
         let count = stride * (height + 2 * PADDING) + SLACK;
-        if data.capacity() < count {
-            // From the system, whose zeros cost nothing.
-            data = vec![0.0; count];
-        }
-        data.resize(count, 0.0);
+        data.make_room(count);
         data[PADDING * stride..(PADDING + height) * stride]
             .par_chunks_mut(band * stride)
             .enumerate()
@@ -173,7 +166,7 @@ fn filter_columns<S: Fusing>(
             // and where this one will be written.
             if let Some(row) = index.checked_sub(above + radius) {
                 let start = row * stride + PADDING + u;
-                (start..=start + LANES).step_by(LINE).for_each(|k| prefetch_index(&*band, k));
+                prefetch(band, start, LANES + 1);
             }
             let v = mirror((rows.start + index) as isize - radius as isize, view.height());
             view.prefetch(v, u + LANES);
@@ -236,7 +229,7 @@ mod tests {
         let filters = [(&[1.0][..], Some(&CUBIC)), (&[1.0], Some(&QUINTIC)), (&bell, Some(&QUINTIC)), (&bell, None)];
         for (weights, prefilter) in filters {
             let filter = LineFilter { weights, prefilter };
-            let found = Coefficients::filtered(view, &filter, Vec::new());
+            let found = Coefficients::filtered(view, &filter, Row::default());
             let mut whole = vec![0.0; found.stride * height];
             filter_columns::<pulp::Scalar>(view, &filter, 0, &mut whole, found.stride);
             filter_rows(pulp::Scalar, &filter, &mut whole, found.stride);
@@ -248,8 +241,8 @@ mod tests {
 
     #[test]
     fn margin_mirrors_the_interior() {
-        let data: Vec<f32> = (0..20).map(|i| i as f32).collect();
-        let found = Coefficients::samples(ImageView::of_checked(5, 4, &data), Vec::new());
+        let data: Row<f32> = (0..20).map(|i| i as f32).collect();
+        let found = Coefficients::samples(ImageView::of_checked(5, 4, &data), Row::default());
         for row in 0..4 + 2 * PADDING {
             for column in 0..5 + 2 * PADDING {
                 let u = mirror(column as isize - PADDING as isize, 5);

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use fedic_memory::Row;
+
 use crate::coefficients::Coefficients;
 use crate::error::ImageError;
 use crate::gaussian::gaussian_weights;
@@ -49,7 +51,7 @@ impl Interpolator {
     /// Prepares the image behind `view` for interpolation of this `kind`.
     #[must_use]
     pub fn new(view: ImageView<'_>, kind: Interpolation) -> Self {
-        Self::filtered(view, kind, &[1.0], Vec::new())
+        Self::filtered(view, kind, &[1.0], Row::default())
     }
 
     /// Prepares the image smoothed by a Gaussian of standard deviation `sigma`, in pixels: as [`new`](Self::new) does of the
@@ -59,7 +61,7 @@ impl Interpolator {
     ///
     /// [`ImageError::InvalidSigma`] if `sigma` is negative, not a number, or larger than the image.
     pub fn smoothed(view: ImageView<'_>, kind: Interpolation, sigma: f64) -> Result<Self, ImageError> {
-        Ok(Self::filtered(view, kind, &gaussian_weights(view, sigma)?, Vec::new()))
+        Ok(Self::filtered(view, kind, &gaussian_weights(view, sigma)?, Row::default()))
     }
 
     /// Prepares the next image of a series as [`smoothed`](Self::smoothed) does, in the memory that this one leaves.
@@ -71,7 +73,7 @@ impl Interpolator {
         Ok(Self::filtered(view, self.kind, &gaussian_weights(view, sigma)?, self.coefficients.into_memory()))
     }
 
-    fn filtered(view: ImageView<'_>, kind: Interpolation, weights: &[f32], memory: Vec<f32>) -> Self {
+    fn filtered(view: ImageView<'_>, kind: Interpolation, weights: &[f32], memory: Row<f32>) -> Self {
         let (kernel, prefilter) = match kind {
             Interpolation::Bilinear => (AnyKernel::Two(BILINEAR), None),
             Interpolation::Bicubic => (AnyKernel::Four(BICUBIC), None),

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use prefetch_index::prefetch_index;
+use fedic_memory::prefetch;
 use rayon::prelude::*;
 
 use crate::error::ImageError;
@@ -136,9 +136,9 @@ impl<'a> ImageView<'a> {
     pub(crate) fn prefetch(&self, v: usize, u: usize) {
         let index = v * self.width + u;
         match self.pixels {
-            Pixels::U8(data) => prefetch_index(data, index),
-            Pixels::U16(data) => prefetch_index(data, index),
-            Pixels::F32(data) => prefetch_index(data, index),
+            Pixels::U8(data) => prefetch(data, index, 1),
+            Pixels::U16(data) => prefetch(data, index, 1),
+            Pixels::F32(data) => prefetch(data, index, 1),
         }
     }
 

@@ -6,6 +6,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use fedic_memory::Row;
+
 use crate::dissection::nested_dissection;
 use crate::elimination::{Elimination, Update};
 use crate::factor::{Factor, Values};
@@ -148,8 +150,8 @@ impl Cholesky {
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
         let too_large = |_| SparseError::TooLarge { dofs: symbolic.order.len() * symbolic.block };
         Vec::<T>::new().try_reserve_exact(total).map_err(too_large)?;
-        let mut values = vec![T::default(); total];
-        let mut rest = values.as_mut_slice();
+        let mut values = Row::zeros(total);
+        let mut rest = &mut *values;
         let take = |&size: &usize| {
             let own;
             (own, rest) = std::mem::take(&mut rest).split_at_mut(size);
@@ -177,7 +179,7 @@ impl Cholesky {
 /// What an elimination makes.
 struct Eliminated<T> {
     /// The supernodes of the factor, one after the other.
-    values: Vec<T>,
+    values: Row<T>,
     /// The pivots of all their columns.
     pivots: Vec<f64>,
 }

@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, Mutex};
 
+use fedic_memory::Row;
+
 use crate::cholesky::Plan;
 use crate::panel::{Panel, Stored, num_stored};
 use crate::runs::{Run, find_runs};
@@ -17,8 +19,8 @@ pub struct Factor {
 /// The supernodes, one after the other.
 #[derive(Debug, Clone)]
 pub(crate) enum Values {
-    Double(Vec<f64>),
-    Single(Vec<f32>),
+    Double(Row<f64>),
+    Single(Row<f32>),
 }
 
 impl Factor {

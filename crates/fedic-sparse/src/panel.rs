@@ -4,6 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, Par};
+use fedic_memory::Pod;
 use pulp::{Arch, Simd};
 
 use crate::sweep::{Eliminate, Substitute};
@@ -12,7 +13,7 @@ use crate::sweep::{Eliminate, Substitute};
 const MOST_LANES: usize = 8;
 
 /// A number as it is stored; all arithmetic is in double precision.
-pub(crate) trait Stored: Copy + Default + Send + Sync {
+pub(crate) trait Stored: Pod + Send + Sync {
     fn store(value: f64) -> Self;
     fn load(self) -> f64;
     /// The first numbers, as many as a vector holds.

@@ -3,13 +3,11 @@
 
 use std::array::from_fn;
 
-use prefetch_index::prefetch_index;
+use fedic_memory::prefetch;
 use pulp::{Simd, WithSimd};
 
 use crate::panel::{Panel, Stored, column_start};
 
-/// Bytes in a cache line.
-const LINE: usize = 64;
 /// Columns taken at once: what is below them is read and written once for all of them.
 const TOGETHER: usize = 4;
 /// Vectors of rows taken at once.
@@ -60,13 +58,6 @@ impl<T: Stored> WithSimd for Substitute<'_, T> {
 }
 
 impl<T: Stored> Panel<'_, T> {
-    /// Asks the memory for some numbers, which may be those of the panel before or after. Of columns read side by side the
-    /// processor does not foresee the next ones.
-    #[inline(always)]
-    fn prefetch(&self, first: usize, count: usize) {
-        (0..count).step_by(LINE / size_of::<T>()).for_each(|k| prefetch_index(self.values, first.wrapping_add(k)));
-    }
-
     /// Solves for `N` columns from column `j` on, and subtracts what they add to all rows below.
     #[inline(always)]
     fn eliminate_columns<S: Simd, const N: usize>(&self, simd: S, j: usize, work: &mut [f64]) {
@@ -79,13 +70,14 @@ impl<T: Stored> Panel<'_, T> {
             }
         }
         let lower: [&[T]; N] = from_fn(|c| &columns[c][N - c..][..below.len()]);
+        // Asked for in advance, perhaps from the panel after: of columns side by side the processor does not foresee the next.
         let next = column_start(self.rows, j + N);
         let factors: [S::f64s; N] = from_fn(|c| simd.splat_f64s(-own[c]));
         let taken = VECTORS * S::F64_LANES;
         let whole = below.len() - below.len() % taken;
         for k in (0..whole).step_by(taken) {
             let sums = S::as_mut_simd_f64s(&mut below[k..k + taken]).0;
-            self.prefetch(next + N * k, N * taken);
+            prefetch(self.values, next + N * k, N * taken);
             for c in 0..N {
                 let lower = &lower[c][k..k + taken];
                 for v in 0..VECTORS {
@@ -110,7 +102,7 @@ impl<T: Stored> Panel<'_, T> {
         let whole = below.len() - below.len() % taken;
         for k in (0..whole).step_by(taken) {
             let below = S::as_simd_f64s(&below[k..k + taken]).0;
-            self.prefetch(start.wrapping_sub(N * (k + taken)), N * taken);
+            prefetch(self.values, start.wrapping_sub(N * (k + taken)), N * taken);
             for c in 0..N {
                 let lower = &lower[c][k..k + taken];
                 for v in 0..VECTORS {

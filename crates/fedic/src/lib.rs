@@ -60,7 +60,6 @@ mod reference;
 mod regularization;
 mod residual;
 mod residual_map;
-mod row;
 mod sample;
 mod sampler;
 mod self_calibration;

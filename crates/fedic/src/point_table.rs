@@ -1,9 +1,9 @@
 //! What the points of a cell know of its reference domain: their shape functions and monomials, in single precision.
 
+use fedic_memory::Row;
 use fedic_mesh::{CellType, MAX_NODES, Subdivision, shape_values_batch};
 
 use crate::fit::{MONOMIALS, monomials};
-use crate::row::Row;
 
 /// Rows are padded to a multiple of this many points, so that no vector is cut short.
 pub(crate) const PADDING: usize = 16;

@@ -1,12 +1,9 @@
 //! What is kept of the reference image at the quadrature points, cell by cell.
 
-use std::ops::Range;
-
-use prefetch_index::prefetch_index;
+use fedic_memory::{Row, prefetch};
 
 use crate::cell_quadrature::CellQuadrature;
 use crate::point_table::PADDING;
-use crate::row::{LINE, Row};
 use crate::simd::largest;
 use crate::steps::{MOST_STEPS, Steps, StepsMut};
 
@@ -100,19 +97,21 @@ impl Points {
 
     /// Asks the memory for the grey levels of a cell that will be read next.
     pub(crate) fn prefetch_value(&self, cell: usize) {
-        prefetch(&self.value, self.first_of(cell));
+        let (first, count) = self.asked(cell);
+        prefetch(&self.value, first, count);
     }
 
     /// The same for its gradients.
     pub(crate) fn prefetch_gradient(&self, cell: usize) {
-        self.coarse.iter().for_each(|along| prefetch(along, self.first_of(cell)));
-        prefetch(&self.fine, self.first_of(cell));
+        let (first, count) = self.asked(cell);
+        self.coarse.iter().for_each(|along| prefetch(along, first, count));
+        prefetch(&self.fine, first, count);
     }
 
-    /// The points of a cell, or the first of them where they are too many to be asked for at once.
-    fn first_of(&self, cell: usize) -> Range<usize> {
+    /// The first point of a cell and how many there are, or may be asked for at once.
+    fn asked(&self, cell: usize) -> (usize, usize) {
         let CellEntry { first, padded, .. } = self.cells[cell];
-        first..first + padded.min(MOST_ASKED)
+        (first, padded.min(MOST_ASKED))
     }
 
     /// The numbers of one cell.
@@ -147,11 +146,6 @@ impl CellPoints<'_> {
     pub(crate) fn weight(&self, k: usize) -> f64 {
         self.scale * self.weights.map_or(1.0, |weights| f64::from(weights[k]))
     }
-}
-
-/// Asks the memory for some numbers of a row.
-fn prefetch<T>(row: &[T], range: Range<usize>) {
-    range.step_by(LINE / size_of::<T>()).for_each(|k| prefetch_index(row, k));
 }
 
 /// Takes the first `count` numbers off a row.

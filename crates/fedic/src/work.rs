@@ -1,5 +1,6 @@
 //! What one thread works with.
 
+use fedic_memory::Row;
 use fedic_mesh::CellType;
 
 use crate::COMPONENTS;
@@ -7,7 +8,6 @@ use crate::batch::Batch;
 use crate::cell_quadrature::CellQuadrature;
 use crate::cell_view::CellsInTurn;
 use crate::point_table::{PADDING, PART, PointTable, Rows};
-use crate::row::Row;
 
 /// Memory of one thread, used again for every cell.
 pub(crate) struct Work {
