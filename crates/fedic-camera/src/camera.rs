@@ -91,7 +91,7 @@ pub(crate) fn project_each_with_jacobian(
         let block = start..n.min(start + LANES);
         let mut point = [[0.0; LANES]; 3];
         for (lane, c) in point.iter_mut().zip([x, y, z]) {
-            lane[..block.len()].copy_from_slice(&c[block.clone()]);
+            copy(&mut lane[..block.len()], &c[block.clone()]);
         }
         let mut pixel = [[0.0; LANES]; 2];
         let mut rows = [[[0.0; LANES]; 3]; 2];
@@ -104,10 +104,21 @@ pub(crate) fn project_each_with_jacobian(
                 }
             }
         }
-        u[block.clone()].copy_from_slice(&pixel[0][..block.len()]);
-        v[block.clone()].copy_from_slice(&pixel[1][..block.len()]);
+        copy(&mut u[block.clone()], &pixel[0]);
+        copy(&mut v[block.clone()], &pixel[1]);
         for (entry, lane) in jacobian.iter_mut().flatten().zip(rows.as_flattened()) {
-            entry[block.clone()].copy_from_slice(&lane[..block.len()]);
+            copy(&mut entry[block.clone()], lane);
         }
     }
+}
+
+/// Copies as many numbers as fit: nearly always as many as there are lanes, which takes no call.
+#[inline(always)]
+fn copy(to: &mut [f64], from: &[f64]) {
+    if let (Ok(to), Some(from)) = (<&mut [f64; LANES]>::try_from(&mut *to), from.first_chunk()) {
+        *to = *from;
+        return;
+    }
+    let n = to.len();
+    to.copy_from_slice(&from[..n]);
 }

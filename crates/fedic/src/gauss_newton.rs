@@ -110,7 +110,7 @@ impl Iterations {
 pub(crate) fn corrections(views: &[Sight], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
     let length = |(view, step): (&Sight, &[f64; COMPONENTS])| {
         let [du, dv] = view.jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
-        du.hypot(dv)
+        (du * du + dv * dv).sqrt()
     };
     views.iter().zip(step).map(length).collect()
 }

@@ -12,7 +12,7 @@ use crate::hessian::CellHessian;
 use crate::point_table::PART;
 use crate::points::CellPointsMut;
 use crate::sights::Sight;
-use crate::simd::{Readings, moments, node_sums, positions, pull_back, weighted_residuals};
+use crate::simd::{Readings, add_node_sums, moments, positions, pull_back, weighted_residuals};
 use crate::work::Work;
 use crate::{COMPONENTS, Sampler};
 
@@ -158,8 +158,7 @@ impl ReferenceReader<'_> {
                 weighted,
             );
             for (sums, factors) in brightness.iter_mut().zip([&*weighted, weights]) {
-                let part = node_sums(cell_type, rows, [&*x, &*y], factors);
-                sums.as_flattened_mut().iter_mut().zip(part.as_flattened()).for_each(|(sum, p)| *sum += scale * p);
+                add_node_sums(cell_type, rows, [&*x, &*y], factors, sums);
             }
             levels.iter_mut().zip(moments(value, weights, from)).for_each(|(sum, part)| *sum += part);
         }
@@ -169,6 +168,7 @@ impl ReferenceReader<'_> {
         let [weight, f, ff] = [weight, f, ff].map(|sum| scale * sum);
         let moments = Moments { weight, f, ff, ..Moments::default() };
         hessian.scale(scale);
+        brightness.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|sum| *sum *= scale);
         CellReading { hessian, moments, brightness, outside }
     }
 }

@@ -13,7 +13,7 @@ use crate::level::Level;
 use crate::point_table::PART;
 use crate::points::CellPoints;
 use crate::sights::Sight;
-use crate::simd::{Readings, moments, node_sums, positions, pull_back, weighted_residuals};
+use crate::simd::{Readings, add_node_sums, moments, positions, pull_back, weighted_residuals};
 use crate::system::System;
 use crate::work::{OwnTable, Work};
 use crate::{Brightness, COMPONENTS, Error, Monitor};
@@ -276,8 +276,7 @@ impl Evaluator<'_> {
             };
             let weighted = &mut weighted[..rows.padded()];
             result.squares += weighted_residuals(readings, weighted);
-            let sums = node_sums(cell_type, rows, [&*x, &*y], weighted);
-            result.sums.as_flattened_mut().iter_mut().zip(sums.as_flattened()).for_each(|(sum, part)| *sum += part);
+            add_node_sums(cell_type, rows, [&*x, &*y], weighted, &mut result.sums);
             if let Some(hessian) = &mut result.hessian {
                 hessian.add(rows, [x, y], weights);
             }

@@ -185,14 +185,15 @@ impl WithSimd for WeightedResiduals<'_> {
     }
 }
 
-/// Sums of `N q` times a factor at each node of a cell; the rows past the last node stay zero. The shape functions are made of
-/// as many monomials, whose rows serve for other things too.
-pub(crate) fn node_sums(
+/// Adds the sums of `N q` times a factor at each node of a cell to `node_sums`. The shape functions are made of as many
+/// monomials, whose rows serve for other things too.
+pub(crate) fn add_node_sums(
     cell_type: CellType,
     rows: Rows<'_>,
     q: [&[f32]; COMPONENTS],
     factors: &[f32],
-) -> [[f64; COMPONENTS]; MAX_NODES] {
+    node_sums: &mut [[f64; COMPONENTS]; MAX_NODES],
+) {
     let fit = Fit::of(cell_type);
     let mut monomial_sums = [[0.0; COMPONENTS]; MAX_NODES];
     let sums = &mut monomial_sums[..fit.spanning.len()];
@@ -204,13 +205,11 @@ pub(crate) fn node_sums(
             _ => run(MonomialSums::<1> { rows, monomials, q, factors, sums }),
         }
     }
-    let mut node_sums = [[0.0; COMPONENTS]; MAX_NODES];
     for (shape, node) in fit.shape.iter().zip(&mut node_sums[..rows.num_nodes()]) {
         for (&m, sums) in fit.spanning.iter().zip(&monomial_sums) {
             (0..COMPONENTS).for_each(|c| node[c] += shape[m] * sums[c]);
         }
     }
-    node_sums
 }
 
 /// Monomials whose sums stay in registers.
@@ -462,7 +461,8 @@ mod tests {
             let mut q = [f.clone(), f.clone()];
             let [x, y] = &mut q;
             pull_back(rows, &jacobian, [along_u.as_slice(), along_v.as_slice()], [x, y]);
-            let sums = node_sums(cell, rows, [&q[0], &q[1]], &weighted);
+            let mut sums = [[0.0; COMPONENTS]; MAX_NODES];
+            add_node_sums(cell, rows, [&q[0], &q[1]], &weighted, &mut sums);
             let pairs = rows.num_nodes() * (rows.num_nodes() + 1) / 2;
             let mut hessian = vec![[0.0; PRODUCTS]; pairs];
             hessian_sums(rows, [&q[0], &q[1]], &weights, &mut hessian);

@@ -51,7 +51,9 @@ impl Work {
         let padded = count.next_multiple_of(PADDING);
         for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
             row.make_room(padded);
-            row[count..].fill(0.0);
+            if count < padded {
+                row[count..].fill(0.0);
+            }
         }
     }
 }
