@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn margin_mirrors_the_interior() {
-        let data: Row<f32> = (0..20).map(|i| i as f32).collect();
+        let data: Vec<f32> = (0..20).map(|i| i as f32).collect();
         let found = Coefficients::samples(ImageView::of_checked(5, 4, &data), Row::default());
         for row in 0..4 + 2 * PADDING {
             for column in 0..5 + 2 * PADDING {

@@ -190,6 +190,7 @@ fn padded(numbers: &[f32]) -> Lane {
 
 #[cfg(test)]
 mod tests {
+    use fedic_memory::Row;
     use proptest::prelude::*;
 
     use super::*;
@@ -200,7 +201,7 @@ mod tests {
 
     fn coefficients() -> Coefficients {
         let noise: Vec<f32> = (0..SIZE[0] * SIZE[1]).map(|i| (i * i * 7919 / 13 % 256) as f32).collect();
-        Coefficients::samples(ImageView::of_checked(SIZE[0], SIZE[1], &noise), Vec::new())
+        Coefficients::samples(ImageView::of_checked(SIZE[0], SIZE[1], &noise), Row::default())
     }
 
     /// Values and derivatives by the processor's best instructions, and by plain loops.
