@@ -9,6 +9,8 @@ use pulp::{Arch, Simd};
 
 use crate::sweep::{Eliminate, Substitute};
 
+/// Unknowns of a node of a displacement in the plane: two at a time they are taken and added in one step.
+const PAIR: usize = 2;
 /// Numbers in the widest vector.
 const MOST_LANES: usize = 8;
 
@@ -92,7 +94,10 @@ impl<T: Stored> Panel<'_, T> {
         for (all, work) in all.chunks_exact(all.len() / sides).zip(work.chunks_exact_mut(self.rows)) {
             let (columns, below) = work.split_at_mut(self.columns);
             columns.copy_from_slice(&all[self.first..self.first + self.columns]);
-            if with_rows {
+            if with_rows && block == PAIR {
+                let (all, below) = (all.as_chunks::<PAIR>().0, below.as_chunks_mut::<PAIR>().0);
+                below.iter_mut().zip(self.local_rows).for_each(|(below, &row)| *below = all[row as usize]);
+            } else if with_rows {
                 self.for_each_below(block, |row, k| below[k] = all[row]);
             }
         }
@@ -111,7 +116,14 @@ impl<T: Stored> Panel<'_, T> {
         let height = all.len() / sides;
         for (all, work) in all.chunks_exact_mut(height).zip(work.chunks_exact(self.rows)) {
             let below = &work[self.columns..];
-            self.for_each_below(block, |row, k| all[row] += below[k]);
+            if block == PAIR {
+                let (all, below) = (all.as_chunks_mut::<PAIR>().0, below.as_chunks::<PAIR>().0);
+                for (below, &row) in below.iter().zip(self.local_rows) {
+                    all[row as usize].iter_mut().zip(below).for_each(|(all, below)| *all += below);
+                }
+            } else {
+                self.for_each_below(block, |row, k| all[row] += below[k]);
+            }
         }
     }
 

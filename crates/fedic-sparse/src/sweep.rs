@@ -63,8 +63,10 @@ impl<T: Stored> Panel<'_, T> {
     fn eliminate_columns<S: Simd, const N: usize>(&self, simd: S, j: usize, work: &mut [f64]) {
         let (own, below) = work[j..self.rows].split_at_mut(N);
         let columns: [&[T]; N] = from_fn(|c| self.column(j + c));
+        // Divided before they are waited for.
+        let inverses: [f64; N] = from_fn(|c| 1.0 / columns[c][0].load());
         for c in 0..N {
-            own[c] /= columns[c][0].load();
+            own[c] *= inverses[c];
             for i in c + 1..N {
                 own[i] -= columns[c][i - c].load() * own[c];
             }
@@ -96,6 +98,7 @@ impl<T: Stored> Panel<'_, T> {
         let (own, below) = work[j..self.rows].split_at_mut(N);
         let columns: [&[T]; N] = from_fn(|c| self.column(j + c));
         let lower: [&[T]; N] = from_fn(|c| &columns[c][N - c..][..below.len()]);
+        let inverses: [f64; N] = from_fn(|c| 1.0 / columns[c][0].load());
         let start = column_start(self.rows, j);
         let mut sums = [[simd.splat_f64s(0.0); VECTORS]; N];
         let taken = VECTORS * S::F64_LANES;
@@ -118,7 +121,7 @@ impl<T: Stored> Panel<'_, T> {
             for i in c + 1..N {
                 sum += columns[c][i - c].load() * own[i];
             }
-            own[c] = (own[c] - sum) / columns[c][0].load();
+            own[c] = (own[c] - sum) * inverses[c];
         }
     }
 }
