@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import fedic
 
 _REPETITIONS = 15
-_SECONDS = 5.0
-"""Nothing is repeated any more after this time, but once."""
+_SECONDS = (2.0, 5.0)
+"""What is short is repeated for the first of these times, to find a quiet moment; nothing for longer than the second."""
 _ITERATIONS = 6
 
 
@@ -105,8 +105,10 @@ def _repeated(measure: Callable[[], tuple[float, ...]]) -> list[tuple[float, ...
     measure()
     begin = time.perf_counter()
     found: list[tuple[float, ...]] = []
-    while not found or (len(found) < _REPETITIONS and time.perf_counter() - begin < _SECONDS):
+    passed = 0.0
+    while not found or passed < (_SECONDS[1] if len(found) < _REPETITIONS else _SECONDS[0]):
         found.append(measure())
+        passed = time.perf_counter() - begin
     return found
 
 

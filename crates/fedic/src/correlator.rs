@@ -21,8 +21,8 @@ use crate::{
 /// From this number of unknowns on the factor is worth making small: it would take 5 MB, which each iteration reads twice.
 const COMPACT_DOFS: usize = 10_000;
 
-/// Largest image, in pixels, whose memory is kept for the next one. Memory of larger ones comes from the system, already zero
-/// and a page at a time; it would be missed between the frames.
+/// Largest image, in pixels, whose memory is kept for the next one. That of larger ones would be missed between the frames; it
+/// comes from the system, zeros in large pages.
 const KEPT_PIXELS: usize = 1 << 24;
 
 /// Where the iterations start. `Zero` and `Field` are improved first where the mesh has many cells: by a field of cubic
