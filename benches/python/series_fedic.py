@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _REPETITIONS = 15
 _SECONDS = (2.0, 5.0)
-"""What is short is repeated for the first of these times, to find a quiet moment; nothing for longer than the second."""
+"""What is short is repeated for the first of these times, to find a quiet moment; nothing beyond the second."""
 _ITERATIONS = 6
 
 
