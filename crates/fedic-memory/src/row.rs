@@ -14,6 +14,17 @@ const LARGE: usize = 4 << 20;
 ///
 /// Large rows come from the system, zeros that cost nothing until a thread first writes there, and in large pages where it has
 /// them: a page that is first written interrupts the program, and one that is read anew must be looked up.
+///
+/// # Examples
+///
+/// ```
+/// use fedic_memory::{LINE, Row};
+///
+/// let mut row = Row::<f32>::zeros(1000);
+/// row[7] = 1.0;
+/// assert_eq!(row.iter().sum::<f32>(), 1.0);
+/// assert_eq!(row.as_ptr() as usize % LINE, 0);
+/// ```
 #[derive(Debug)]
 pub struct Row<T> {
     memory: Memory<T>,
