@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     import fedic
 
 _REPETITIONS = 15
-_SECONDS = (2.0, 5.0)
-"""What is short is repeated for the first of these times, to find a quiet moment; nothing beyond the second."""
+_AT_LEAST = 2.0
+"""Seconds for which what is short is repeated, to find a quiet moment."""
+_AT_MOST = 5.0
+"""Nothing is repeated any more after this time, but once."""
 _ITERATIONS = 6
 
 
@@ -106,7 +108,7 @@ def _repeated(measure: Callable[[], tuple[float, ...]]) -> list[tuple[float, ...
     begin = time.perf_counter()
     found: list[tuple[float, ...]] = []
     passed = 0.0
-    while not found or passed < (_SECONDS[1] if len(found) < _REPETITIONS else _SECONDS[0]):
+    while not found or passed < (_AT_MOST if len(found) < _REPETITIONS else _AT_LEAST):
         found.append(measure())
         passed = time.perf_counter() - begin
     return found

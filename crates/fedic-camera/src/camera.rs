@@ -1,5 +1,7 @@
 //! The one interface of every camera.
 
+use fedic_memory::copy;
+
 /// Precisions in pixels: far below what images tell. To follow the pieces of a spline more closely is not worth the time.
 const SMOOTH: f64 = 1e-6;
 const IN_PIECES: f64 = 1e-4;
@@ -91,7 +93,7 @@ pub(crate) fn project_each_with_jacobian(
         let block = start..n.min(start + LANES);
         let mut point = [[0.0; LANES]; 3];
         for (lane, c) in point.iter_mut().zip([x, y, z]) {
-            copy(&mut lane[..block.len()], &c[block.clone()]);
+            copy::<LANES, _>(&mut lane[..block.len()], &c[block.clone()]);
         }
         let mut pixel = [[0.0; LANES]; 2];
         let mut rows = [[[0.0; LANES]; 3]; 2];
@@ -104,21 +106,10 @@ pub(crate) fn project_each_with_jacobian(
                 }
             }
         }
-        copy(&mut u[block.clone()], &pixel[0]);
-        copy(&mut v[block.clone()], &pixel[1]);
+        copy::<LANES, _>(&mut u[block.clone()], &pixel[0]);
+        copy::<LANES, _>(&mut v[block.clone()], &pixel[1]);
         for (entry, lane) in jacobian.iter_mut().flatten().zip(rows.as_flattened()) {
-            copy(&mut entry[block.clone()], lane);
+            copy::<LANES, _>(&mut entry[block.clone()], lane);
         }
     }
-}
-
-/// Copies as many numbers as fit: nearly always as many as there are lanes, which takes no call.
-#[inline(always)]
-fn copy(to: &mut [f64], from: &[f64]) {
-    if let (Ok(to), Some(from)) = (<&mut [f64; LANES]>::try_from(&mut *to), from.first_chunk()) {
-        *to = *from;
-        return;
-    }
-    let n = to.len();
-    to.copy_from_slice(&from[..n]);
 }

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use fedic_memory::{Row, prefetch};
+use fedic_memory::{Row, copy, prefetch};
 use rayon::prelude::*;
 
 use crate::lanes::Fusing;
@@ -177,7 +177,7 @@ fn filter_columns<S: Fusing>(
         }
         let lines = filter.apply::<S>(&mut samples);
         for (row, line) in band.chunks_exact_mut(stride).zip(&lines[above..]) {
-            copy(&mut row[PADDING + u..PADDING + u + lanes], line);
+            copy::<LANES, _>(&mut row[PADDING + u..PADDING + u + lanes], line);
         }
         u += LANES;
     }
@@ -199,17 +199,6 @@ fn filter_rows<S: Transposition>(simd: S, filter: &LineFilter<'_>, band: &mut [f
         simd.transpose([width, count], lines.as_flattened(), LANES, &mut rows[PADDING..], stride);
         rows.chunks_exact_mut(stride).for_each(|row| mirror_ends(row, PADDING));
     }
-}
-
-/// Copies as many numbers as fit: nearly always as many as there are lanes, which takes no call.
-#[inline(always)]
-fn copy(to: &mut [f32], from: &[f32]) {
-    if let (Ok(to), Some(from)) = (<&mut [f32; LANES]>::try_from(&mut *to), from.first_chunk()) {
-        *to = *from;
-        return;
-    }
-    let n = to.len().min(from.len());
-    to[..n].copy_from_slice(&from[..n]);
 }
 
 #[cfg(test)]

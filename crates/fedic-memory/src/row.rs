@@ -157,20 +157,14 @@ mod tests {
         let row = Row::<f32>::zeros(LARGE);
         let address = row.as_ptr() as usize;
         let maps = std::fs::read_to_string("/proc/self/smaps").unwrap();
-        let mut flags = maps
-            .lines()
-            .skip_while(|line| {
-                let bounds = line.split(' ').next().and_then(|range| range.split_once('-'));
-                let [Some(from), Some(to)] = [bounds.map(|b| b.0), bounds.map(|b| b.1)]
-                    .map(|bound| bound.and_then(|bound| usize::from_str_radix(bound, 16).ok()))
-                else {
-                    return true;
-                };
-                !(from..to).contains(&address)
-            })
-            .find(|line| line.starts_with("VmFlags"))
-            .unwrap()
-            .split(' ');
-        assert!(flags.any(|flag| flag == "hg"));
+        let holds_it = |line: &&str| {
+            let bound = |text| usize::from_str_radix(text, 16).ok();
+            let bounds = line.split(' ').next().and_then(|range| range.split_once('-'));
+            let range = bounds.and_then(|(from, to)| Some(bound(from)?..bound(to)?));
+            range.is_some_and(|range| range.contains(&address))
+        };
+        let mut lines = maps.lines().skip_while(|line| !holds_it(line));
+        let flags = lines.find(|line| line.starts_with("VmFlags")).unwrap();
+        assert!(flags.split(' ').any(|flag| flag == "hg"));
     }
 }

@@ -51,9 +51,7 @@ impl Work {
         let padded = count.next_multiple_of(PADDING);
         for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
             row.make_room(padded);
-            if count < padded {
-                row[count..].fill(0.0);
-            }
+            row[count..].fill(0.0);
         }
     }
 }
