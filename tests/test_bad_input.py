@@ -97,7 +97,7 @@ def test_too_few_points_for_the_elements(image: np.ndarray) -> None:
     with pytest.raises(fedic.SolveError, match="holds 0 quadrature points"):
         fedic.correlate(image, image, fedic.rectangle_mesh((20, 20, 100, 80), 0.3), quadrature=fedic.PixelQuadrature())
     # The same mesh is measured once it is regularised.
-    assert fedic.correlate(image, image, mesh, regularization=20.0).converged
+    assert fedic.correlate(image, image, mesh, regularization_length=20.0).converged
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,7 @@ def test_interpolation_shows_why_the_default(gmsh: Any) -> None:
     outcome = run_experiment("interpolation", Request(quick=True))
     assert all(verdicts(outcome).values()), verdicts(outcome)
     rows = pick(outcome, mesh="unstructured", rule="rotated", interpolation="bspline5")
-    bare, chosen = (next(row for row in rows if row["prefilter"] == p) for p in (0.0, 0.8))
+    bare, chosen = (next(row for row in rows if row["smoothing"] == p) for p in (0.0, 0.8))
     assert chosen["noise_over_bound"] < 1.06
     assert chosen["stretch_error_px"] > bare["stretch_error_px"]
 

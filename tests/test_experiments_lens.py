@@ -72,7 +72,7 @@ def test_fig14_the_papers_setting_has_a_bias_of_its_own_at_ten_pixels(quick: Cal
     assert row["bias_u_px"] == pytest.approx(1.04e-4, rel=0.05)
 
 
-def test_fig15_the_knee_is_at_one_point_per_pixel_without_prefilter(quick: Callable[[str], Outcome]) -> None:
+def test_fig15_the_knee_is_at_one_point_per_pixel_without_smoothing(quick: Callable[[str], Outcome]) -> None:
     outcome = quick("fig15")
     assert verdicts(outcome) == {}
     line = rows(outcome, setting="unfiltered", rule="rotated", cell="triangle")

@@ -1,4 +1,4 @@
-"""Interpolation, gradients and prefilter against SciPy and NumPy."""
+"""Interpolation, gradients and smoothing against SciPy and NumPy."""
 
 import numpy as np
 import pytest
@@ -87,8 +87,8 @@ def test_finite_difference_gradient_is_interpolated_central_differences(
 
 
 @pytest.mark.parametrize("sigma", [0.5, 0.8, 2.0])
-def test_prefilter_is_the_gaussian_of_scipy(image: np.ndarray, pixels: np.ndarray, sigma: float) -> None:
-    values, _ = interpolate_image(image, pixels, "bspline3", prefilter=sigma)
+def test_smoothing_is_the_gaussian_of_scipy(image: np.ndarray, pixels: np.ndarray, sigma: float) -> None:
+    values, _ = interpolate_image(image, pixels, "bspline3", smoothing=sigma)
     smooth = ndimage.gaussian_filter(image.astype(float), sigma, mode="mirror", truncate=4)
     np.testing.assert_allclose(values, scipy_values(smooth, pixels, 3), rtol=0, atol=1e-3)
 

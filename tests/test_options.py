@@ -64,10 +64,10 @@ def test_the_hessian_changes_the_way_and_not_the_end() -> None:
     ("options", "largest"),
     [
         ({}, 0.003),
-        ({"prefilter": 0.0}, 0.003),
+        ({"smoothing": 0.0}, 0.003),
         ({"interpolation": "bspline3"}, 0.005),
         ({"interpolation": "bicubic"}, 0.05),
-        ({"interpolation": "bilinear", "prefilter": 1.0}, 0.05),
+        ({"interpolation": "bilinear", "smoothing": 1.0}, 0.05),
         ({"gradient": "finite-difference"}, 0.005),
         ({"quadrature": fedic.MeshQuadrature(density=2.0)}, 0.005),
     ],
@@ -127,7 +127,7 @@ def test_noise_of_the_rules() -> None:
     draws = [[(texture + rng.normal(0, 2, texture.shape)).astype(np.float32) for _ in range(2)] for _ in range(15)]
 
     def noise(rule: Literal["rotated", "edges", "diameter"]) -> float:
-        options = {"quadrature": fedic.MeshQuadrature(rule=rule), "interpolation": "bspline3", "prefilter": 0.0}
+        options = {"quadrature": fedic.MeshQuadrature(rule=rule), "interpolation": "bspline3", "smoothing": 0.0}
         return float(np.std([fedic.correlate(*pair, mesh, **options).displacement for pair in draws]))  # type: ignore[arg-type]
 
     finest = noise("diameter")

@@ -1,7 +1,7 @@
 """Patch tests: a displacement that the elements represent exactly is measured to the accuracy of the interpolation.
 
-Without prefilter: the filter of the deformed image does not deform with the material, which costs a little where it is
-strained (`test_the_prefilter_costs_little_under_strain`).
+Without smoothing: the filter of the deformed image does not deform with the material, which costs a little where it is
+strained (`test_the_smoothing_costs_little_under_strain`).
 """
 
 from collections.abc import Callable
@@ -61,7 +61,7 @@ def test_uniform_gradients_are_measured(images: dict[str, np.ndarray], field: st
         images[field],
         mesh,
         quadrature=QUADRATURES[quadrature],
-        prefilter=0.0,
+        smoothing=0.0,
         tolerance=1e-5,
     )
     assert result.converged
@@ -70,7 +70,7 @@ def test_uniform_gradients_are_measured(images: dict[str, np.ndarray], field: st
     assert errors.std() < 0.0008
 
 
-def test_the_prefilter_costs_little_under_strain(images: dict[str, np.ndarray]) -> None:
+def test_the_smoothing_costs_little_under_strain(images: dict[str, np.ndarray]) -> None:
     """The error it adds grows with the strain, here up to 0.8 %; there is none under a translation."""
     mesh = fedic.rectangle_mesh((25.3, 24.6, 135.7, 114.9), 22.0)
     for name, most in (("translation", 0.00006), ("affine", 0.0008)):
@@ -101,7 +101,7 @@ def test_a_camera_gives_the_meshs_unit(cell: str, quadrature: str, lens: fedic.B
     flat = fedic.rectangle_mesh((-5.13, -4.07, 5.21, 3.91), 2.2, cell)  # type: ignore[arg-type]
     mesh = fedic.Mesh(np.c_[flat.points, np.full(flat.num_nodes, 2.0)], flat.cells)
     result = fedic.correlate(
-        reference, deformed, mesh, camera, quadrature=QUADRATURES[quadrature], prefilter=0.0, tolerance=1e-5
+        reference, deformed, mesh, camera, quadrature=QUADRATURES[quadrature], smoothing=0.0, tolerance=1e-5
     )
     assert result.converged
     errors = result.displacement - stretch(flat.points)

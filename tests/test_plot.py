@@ -22,7 +22,7 @@ def linear_result(cell: str) -> fedic.Result:
         iterations=1,
         history=[],
         num_points=100,
-        residual_std=1.0,
+        residual_rms=1.0,
         cell_residuals=np.ones(mesh.num_cells),
         outside_cells=np.empty(0, dtype=np.int64),
     )

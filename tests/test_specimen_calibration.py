@@ -101,7 +101,7 @@ def test_the_lens_is_found_on_the_specimen_and_serves_the_next_measurement(scene
     ("options", "noise"),
     [
         ({}, 2.0),
-        ({"prefilter": 0.0}, 2.0),
+        ({"smoothing": 0.0}, 2.0),
         ({"density": 0.3}, 4.0),
         ({"motion": "spatial"}, 2.0),
         ({"images": 1, "motion": "translation"}, 2.0),
@@ -156,7 +156,7 @@ def test_a_stage_that_leaves_the_plane() -> None:
     assert spatial.camera.distortion is not None
     assert spatial.camera.distortion.radial[0] == pytest.approx(K1, rel=0.01)
     flat = fedic.calibrate_on_specimen(images[0], images[1:], specimen(), START)
-    assert flat.residual_std > 2.0 * spatial.residual_std
+    assert flat.residual_rms > 2.0 * spatial.residual_rms
 
 
 def test_the_tilt_of_the_camera_is_found() -> None:
@@ -186,7 +186,7 @@ def test_light_that_changes_is_taken_up(frames: list[NDArray[np.float32]]) -> No
     same = fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, brightness=None)
     assert_allclose(found.camera.principal_point, same.camera.principal_point, rtol=0, atol=0.01)
     ignored = fedic.calibrate_on_specimen(darker[0], darker[1:], specimen(), START, brightness=None)
-    assert ignored.residual_std > 5.0 * found.residual_std
+    assert ignored.residual_rms > 5.0 * found.residual_rms
 
 
 def test_a_specimen_larger_than_the_image_is_used_where_two_images_see_it(frames: list[NDArray[np.float32]]) -> None:

@@ -43,7 +43,7 @@ def test_first_step_is_that_of_a_dense_system(
     mesh = mesh_in_image(projector, cell, shake=0.0 if rule == "pixel" and cell in CURVED else 1.0)
     start = 0.001 * (mesh.points - mesh.points.mean(0))
     core = _core.Correlator(
-        images[0], mesh, projector, rule=rule, hessian=hessian, interpolation="bspline3", prefilter=0.0,
+        images[0], mesh, projector, rule=rule, hessian=hessian, interpolation="bspline3", smoothing=0.0,
         max_iterations=1, tolerance=1e-12,
     )  # type: ignore[call-overload]  # fmt: skip
     step = core.correlate(images[1], initial=start).displacement - start
@@ -82,7 +82,7 @@ def test_solution_is_that_of_plain_loops(images: tuple[np.ndarray, np.ndarray], 
     reference, deformed = images[0] + noise[0], images[1] + noise[1]
     mesh = mesh_in_image(fedic.ImageFrame(), cell)
     core = _core.Correlator(
-        reference, mesh, fedic.ImageFrame(), interpolation="bspline3", prefilter=0.0, max_iterations=40, tolerance=1e-12
+        reference, mesh, fedic.ImageFrame(), interpolation="bspline3", smoothing=0.0, max_iterations=40, tolerance=1e-12
     )
     found = core.correlate(deformed).displacement
 
@@ -122,7 +122,7 @@ def test_regularization_adds_the_gradient_energy(images: tuple[np.ndarray, np.nd
     """A long wavelength leaves little but a translation."""
     mesh = mesh_in_image(fedic.ImageFrame(), "quad")
     free = fedic.correlate(*images, mesh)
-    stiff = fedic.correlate(*images, mesh, regularization=2000.0)
+    stiff = fedic.correlate(*images, mesh, regularization_length=2000.0)
     assert stiff.converged
     assert stiff.displacement.std(axis=0).max() < 0.2 * free.displacement.std(axis=0).max()
     np.testing.assert_allclose(stiff.displacement.mean(0), [0.4, -0.3], atol=0.01)

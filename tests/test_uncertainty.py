@@ -15,7 +15,7 @@ TILTED = fedic.Pinhole(
     distortion=fedic.BrownDistortion((-0.2, 0.1, 0.05), (0.01, -0.02), (0.01, 0.02)),
 )  # fmt: skip
 CAMERAS = {"image": fedic.ImageFrame(), "tilted": TILTED}
-BARE = {"interpolation": "bspline3", "prefilter": 0.0}
+BARE = {"interpolation": "bspline3", "smoothing": 0.0}
 DENSE = fedic.MeshQuadrature()
 COARSE = fedic.MeshQuadrature(density=0.25)
 PIXELS = fedic.PixelQuadrature()
@@ -39,7 +39,7 @@ def shaken_mesh(cell: str) -> fedic.Mesh:
 
 
 def dense_deviations(
-    image: np.ndarray, mesh: fedic.Mesh, camera: object, quadrature: object, noise: float, prefilter: float = 0.0
+    image: np.ndarray, mesh: fedic.Mesh, camera: object, quadrature: object, noise: float, smoothing: float = 0.0
 ) -> np.ndarray:
     """Return the standard deviations from dense matrices, for a mesh in a plane."""
     rule, density = ("pixel", 1.0) if quadrature is PIXELS else (quadrature.rule, quadrature.density)  # type: ignore[attr-defined]
@@ -48,11 +48,11 @@ def dense_deviations(
     shape = mesh.interpolate(np.eye(mesh.num_nodes), points)
     jacobian = camera.jacobian(points)  # type: ignore[attr-defined]
     smooth = image
-    if prefilter > 0.0:
-        smooth = ndimage.gaussian_filter(image, prefilter, mode="mirror", truncate=4)
+    if smoothing > 0.0:
+        smooth = ndimage.gaussian_filter(image, smoothing, mode="mirror", truncate=4)
 
     def rows(read: np.ndarray) -> np.ndarray:
-        gradient = _core.interpolate_image(read, camera.project(points), prefilter=prefilter)[1]  # type: ignore[attr-defined]
+        gradient = _core.interpolate_image(read, camera.project(points), smoothing=smoothing)[1]  # type: ignore[attr-defined]
         q = np.einsum("nij,ni->nj", jacobian[:, :, :2], gradient.astype(float))
         return (shape[:, :, None] * q[:, None, :]).reshape(len(points), -1)
 
@@ -60,7 +60,7 @@ def dense_deviations(
     if quadrature is not PIXELS:
         tangents = np.linalg.svd(points - points.mean(0), full_matrices=False)[2][:2]
         pixels = weights * np.abs(np.linalg.det(jacobian @ tangents.T))
-    pixels = np.minimum(pixels, max(1.25, 4 * np.pi * prefilter**2))
+    pixels = np.minimum(pixels, max(1.25, 4 * np.pi * smoothing**2))
     q, h = rows(image), rows(smooth)
     inverse = np.linalg.inv(q.T @ (weights[:, None] * q))
     gathered = h.T @ ((weights**2 / pixels)[:, None] * h)
@@ -83,10 +83,10 @@ def test_standard_deviations_are_those_of_dense_matrices(camera: str, quadrature
 
 
 @pytest.mark.parametrize("quadrature", [DENSE, fedic.MeshQuadrature(density=0.05)], ids=str)
-def test_a_prefilter_reads_the_gradient_of_the_image_filtered_twice(quadrature: object) -> None:
+def test_a_smoothing_reads_the_gradient_of_the_image_filtered_twice(quadrature: object) -> None:
     image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
     correlator = fedic.Correlator(image, mesh, quadrature=quadrature, interpolation="bspline3")  # type: ignore[arg-type]
-    expected = dense_deviations(image, mesh, fedic.ImageFrame(), quadrature, 3.0, prefilter=0.8)
+    expected = dense_deviations(image, mesh, fedic.ImageFrame(), quadrature, 3.0, smoothing=0.8)
     np.testing.assert_allclose(correlator.standard_deviations(3.0), expected, rtol=1e-4)
 
 
@@ -113,7 +113,7 @@ def test_a_plane_at_a_slant_is_seen_by_fewer_pixels() -> None:
         ("quad", {"quadrature": PIXELS, **BARE}, 0.03),
         ("quad", {"quadrature": COARSE, **BARE}, 0.05),
         ("quad", {"brightness": "element", **BARE}, 0.03),
-        ("quad", {"regularization": 80.0, **BARE}, 0.03),
+        ("quad", {"regularization_length": 80.0, **BARE}, 0.03),
     ],
 )
 def test_noisy_images_scatter_as_predicted(cell: str, options: dict[str, object], within: float) -> None:
@@ -169,7 +169,7 @@ def test_the_deviation_has_the_unit_of_the_mesh(quadrature: object) -> None:
 
 def test_smoothing_lowers_the_deviation() -> None:
     image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
-    free, smooth = (fedic.Correlator(image, mesh, regularization=r).standard_deviations(1.0) for r in (None, 80.0))
+    free, smooth = (fedic.Correlator(image, mesh, regularization_length=r).standard_deviations(1.0) for r in (None, 80.0))
     assert (smooth < free).all()
 
 

@@ -33,7 +33,7 @@ fn iteration(c: &mut Criterion) {
         for iterations in [1, 5] {
             let options = Options {
                 interpolation: Interpolation::Bspline3,
-                prefilter: 0.0,
+                smoothing: 0.0,
                 num_threads: Some(threads),
                 max_iterations: iterations,
                 tolerance: f64::MIN_POSITIVE,

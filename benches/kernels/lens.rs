@@ -48,7 +48,7 @@ fn lenses(c: &mut Criterion) {
     for (name, lens) in lenses {
         let options = Options {
             interpolation: Interpolation::Bspline3,
-            prefilter: 0.0,
+            smoothing: 0.0,
             num_threads: Some(1),
             max_iterations: ITERATIONS,
             tolerance: f64::MIN_POSITIVE,

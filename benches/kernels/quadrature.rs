@@ -1,4 +1,4 @@
-//! Preparing a reference image of one megapixel, per quadrature point: prefilter, quadrature points, grey levels and
+//! Preparing a reference image of one megapixel, per quadrature point: smoothing, quadrature points, grey levels and
 //! gradients, Hessian and its factorisation.
 
 #![allow(clippy::unwrap_used, missing_docs)]

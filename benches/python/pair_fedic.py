@@ -32,7 +32,7 @@ def main() -> None:
         points=result.num_points,
         unknowns=result.displacement.size,
         iterations=result.iterations,
-        residual_std=result.residual_std,
+        residual_rms=result.residual_rms,
         seconds=times[-1] - times[0],
         **{stage: end - begin for stage, begin, end in zip(list(clock)[1:], times[:-1], times[1:], strict=True)},
     )

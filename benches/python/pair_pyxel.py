@@ -59,7 +59,7 @@ def main() -> None:
         unknowns=mesh.ndof,
         iterations=len(stamps),
         iteration=(stamps[-1] - stamps[0]) / (len(stamps) - 1) if len(stamps) > 1 else float("nan"),
-        residual_std=float(np.std(residual)),
+        residual_rms=float(np.std(residual)),
         seconds=time.perf_counter() - start,
         **{"import": imported - start},
     )

@@ -172,10 +172,10 @@ class Correlator:
         density: float = 1.0,
         interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5",
         gradient: Literal["analytic", "finite-difference"] = "analytic",
-        prefilter: float = 0.8,
+        smoothing: float = 0.8,
         brightness: Literal["global", "element"] | None = "global",
         hessian: Literal["initial", "updated"] = "initial",
-        regularization: float | None = None,
+        regularization_length: float | None = None,
         tolerance: float = 1e-3,
         max_iterations: int = 50,
         num_threads: int | None = None,
@@ -208,7 +208,7 @@ class Solution:
     @property
     def history(self) -> list[tuple[int, int, float, float]]: ...
     @property
-    def residual_std(self) -> float: ...
+    def residual_rms(self) -> float: ...
     @property
     def cell_residuals(self) -> NDArray[np.float64]: ...
     @property
@@ -233,7 +233,7 @@ class SelfCalibration:
     @property
     def converged(self) -> bool: ...
     @property
-    def residual_std(self) -> float: ...
+    def residual_rms(self) -> float: ...
     @property
     def noise(self) -> float: ...
     @property
@@ -250,7 +250,7 @@ def calibrate_on_specimen(
     known_translations: bool = False,
     density: float = 1.0,
     interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5",
-    prefilter: float = 0.8,
+    smoothing: float = 0.8,
     brightness: bool = True,
     noise: float | None = None,
     tolerance: float = 1e-5,
@@ -274,6 +274,6 @@ def interpolate_image(
     image: _Image,
     pixels: ArrayLike,
     interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline3",
-    prefilter: float = 0.0,
+    smoothing: float = 0.0,
     gradient: Literal["analytic", "finite-difference"] = "analytic",
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...

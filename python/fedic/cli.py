@@ -286,7 +286,7 @@ def _print_frame(frame: "Frame") -> None:
     state = "converged" if outcome["converged"] else "NOT CONVERGED"
     outside = f", {len(outcome['outside_cells'])} cells partly out of the image" if outcome["outside_cells"] else ""
     typer.echo(
-        f"{frame.image.name}: {state} in {outcome['iterations']} iterations, residual {outcome['residual_std']:.3g} "
+        f"{frame.image.name}: {state} in {outcome['iterations']} iterations, residual {outcome['residual_rms']:.3g} "
         f"grey levels{outside} ({frame.seconds:.1f} s)"
     )
 

@@ -265,11 +265,11 @@ class CorrelationSection(_Section):
     density: Positive = 1.0
     interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5"
     gradient: Literal["analytic", "finite-difference"] = "analytic"
-    prefilter: NotNegative = 0.8
+    smoothing: NotNegative = 0.8
     brightness: Literal["global", "element", "none"] = "global"
     hessian: Literal["initial", "updated"] = "initial"
     initial: Literal["none", "pyramid", "fft"] = "none"
-    regularization: Positive | None = None
+    regularization_length: Positive | None = None
     tolerance: Positive = 1e-3
     max_iterations: Count = 50
     num_threads: Count | None = None

@@ -40,7 +40,7 @@ class Correlator:
         How both images are interpolated between pixels.
     gradient : {"analytic", "finite-difference"}
         Gradient of the reference image: of the interpolant, or of central differences at the pixels.
-    prefilter : float
+    smoothing : float
         Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none. It removes what no
         interpolation can follow: with the default the bias of the interpolation is at most 1e-4 px, for a noise
         higher by 0 to 7 % where speckles are about five pixels wide and by 30 % where they are one to three. Under a
@@ -53,7 +53,7 @@ class Correlator:
         The start: zero; coarse-to-fine images; one whole-pixel motion found over the whole image, for large motions;
         or given nodal displacements in the mesh's unit. On a mesh of a thousand cells or more all but coarse-to-fine
         images are followed by a smooth field fitted to a few hundred cells, where that lowers their residual.
-    regularization : float or None
+    regularization_length : float or None
         Wavelength, in pixels of the reference image, below which the field is smoothed; None for no smoothing.
     tolerance : float
         Stop when the largest nodal correction is below this, in pixels.
@@ -83,11 +83,11 @@ class Correlator:
         quadrature: Quadrature = MeshQuadrature(),
         interpolation: Interpolation = "bspline5",
         gradient: Literal["analytic", "finite-difference"] = "analytic",
-        prefilter: float = 0.8,
+        smoothing: float = 0.8,
         brightness: Literal["global", "element"] | None = "global",
         hessian: Literal["initial", "updated"] = "initial",
         initial: Initial = None,
-        regularization: float | None = None,
+        regularization_length: float | None = None,
         tolerance: float = 1e-3,
         max_iterations: int = 50,
         num_threads: int | None = None,
@@ -106,10 +106,10 @@ class Correlator:
             density=density,
             interpolation=interpolation,
             gradient=gradient,
-            prefilter=prefilter,
+            smoothing=smoothing,
             brightness=brightness,
             hessian=hessian,
-            regularization=regularization,
+            regularization_length=regularization_length,
             tolerance=tolerance,
             max_iterations=max_iterations,
             num_threads=num_threads,
@@ -169,7 +169,7 @@ class Correlator:
             iterations=solution.iterations,
             history=[Iteration(*entry) for entry in solution.history],
             num_points=solution.num_points,
-            residual_std=solution.residual_std,
+            residual_rms=solution.residual_rms,
             cell_residuals=solution.cell_residuals,
             outside_cells=solution.outside_cells,
         )
@@ -187,7 +187,7 @@ class Correlator:
         Returns
         -------
         ndarray of float32, shape (height, width)
-            ``f - g`` of the images as prefiltered, after the brightness correction, in grey levels; NaN at pixels whose
+            ``f - g`` of the images as smoothed, after the brightness correction, in grey levels; NaN at pixels whose
             centre lies outside the mesh.
         """
         return self._core.residual_map(self._reference, as_pair(self._reference, deformed), displacement)
@@ -198,7 +198,7 @@ class Correlator:
         Parameters
         ----------
         noise : float
-            Standard deviation, in grey levels, of the noise of one image as recorded, before any prefilter.
+            Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing.
 
         Returns
         -------
@@ -219,24 +219,24 @@ class Correlator:
 
         over the quadrature points: ``w`` their weights, ``p`` the pixels each stands for, ``q`` the shape functions
         times the gradient of the reference image in the mesh's frame, ``h`` the same of the image filtered once more
-        (``q`` itself without a prefilter); ``A`` includes the regularization. With one point per pixel, as many pixels
-        per area everywhere and neither prefilter nor regularization this is the Cramer-Rao bound
+        (``q`` itself without a smoothing); ``A`` includes the regularization. With one point per pixel, as many pixels
+        per area everywhere and neither smoothing nor regularization this is the Cramer-Rao bound
         ``2 noise^2 (sum q q^T)^-1``. ``p`` counts up to the pixels that a reading of the image averages, 1.25 or
-        ``4 pi prefilter^2`` if more: points further apart read noise of their own.
+        ``4 pi smoothing^2`` if more: points further apart read noise of their own.
 
         On a speckle of 5 pixels and cells of 20, with a noise of 5 to 10 % of the root mean square of the gradient per
         pixel, the scatter measured is 0.95 to 1.05 times the prediction, for every type of cell, by the default options
-        and without their prefilter. Limits:
+        and without their smoothing. Limits:
 
         - Only the scatter is predicted: not the bias of interpolation and noise, nor that of a mesh too coarse for the
           field.
         - The sensitivity is that of the analytic gradient: with ``gradient="finite-difference"`` the scatter is 0.9
           times the prediction.
-        - Shape functions are taken as constant over the width of the prefilter: with one of 0.8 pixels in cells of 8,
+        - Shape functions are taken as constant over the width of the smoothing: with one of 0.8 pixels in cells of 8,
           the scatter is 0.93 times the prediction.
-        - Far fewer points than pixels scatter more than predicted after a prefilter.
+        - Far fewer points than pixels scatter more than predicted after a smoothing.
         - The noise of the reference image adds to its gradient: with a noise of a third of the gradient and no
-          prefilter, the scatter is 1.25 times the prediction.
+          smoothing, the scatter is 1.25 times the prediction.
 
         These figures are those of ``fedic experiment noise`` and of ``tests/test_uncertainty.py``. The cost is one
         solution of the system per unknown, shared by the threads.
@@ -253,11 +253,11 @@ def correlate(
     quadrature: Quadrature = MeshQuadrature(),
     interpolation: Interpolation = "bspline5",
     gradient: Literal["analytic", "finite-difference"] = "analytic",
-    prefilter: float = 0.8,
+    smoothing: float = 0.8,
     brightness: Literal["global", "element"] | None = "global",
     hessian: Literal["initial", "updated"] = "initial",
     initial: Initial = None,
-    regularization: float | None = None,
+    regularization_length: float | None = None,
     tolerance: float = 1e-3,
     max_iterations: int = 50,
     num_threads: int | None = None,
@@ -275,7 +275,7 @@ def correlate(
         The mesh, in the physical space.
     camera : ImageFrame, FrontParallel or Pinhole
         Projects the mesh to the image.
-    quadrature, interpolation, gradient, prefilter, brightness, hessian, initial, regularization, tolerance, \
+    quadrature, interpolation, gradient, smoothing, brightness, hessian, initial, regularization_length, tolerance, \
 max_iterations, num_threads
         See `Correlator`.
     progress : callable, optional
@@ -298,11 +298,11 @@ max_iterations, num_threads
         quadrature=quadrature,
         interpolation=interpolation,
         gradient=gradient,
-        prefilter=prefilter,
+        smoothing=smoothing,
         brightness=brightness,
         hessian=hessian,
         initial=initial,
-        regularization=regularization,
+        regularization_length=regularization_length,
         tolerance=tolerance,
         max_iterations=max_iterations,
         num_threads=num_threads,

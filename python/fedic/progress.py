@@ -45,7 +45,7 @@ class TerminalProgress:
             if self._status is not None:
                 self._status.stop()
 
-    def iteration(self, stage: str, level: int, iteration: int, correction_px: float, residual_std: float) -> None:
+    def iteration(self, stage: str, level: int, iteration: int, correction_px: float, residual_rms: float) -> None:
         """Show where a correlation is.
 
         Parameters
@@ -58,7 +58,7 @@ class TerminalProgress:
             Number of the iteration.
         correction_px : float
             Largest nodal correction, in pixels.
-        residual_std : float
+        residual_rms : float
             Standard deviation of the residual, in grey levels.
         """
         if stage == "prepare":
@@ -66,7 +66,7 @@ class TerminalProgress:
             return
         where = f", level {level}" if level else ""
         self._show(
-            f"{stage}{where}, iteration {iteration}: correction {correction_px:.2g} px, residual {residual_std:.3g}"
+            f"{stage}{where}, iteration {iteration}: correction {correction_px:.2g} px, residual {residual_rms:.3g}"
         )
 
     def fraction(self, done: float) -> None:

@@ -24,14 +24,14 @@ class Iteration(NamedTuple):
         Number of the iteration in its level.
     correction : float
         Largest nodal correction, in pixels.
-    residual_std : float
+    residual_rms : float
         Standard deviation of the residual before the correction, in grey levels.
     """
 
     level: int
     iteration: int
     correction: float
-    residual_std: float
+    residual_rms: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,8 +56,8 @@ class Result:
         Every iteration, of the pyramid's levels too.
     num_points : int
         Number of quadrature points.
-    residual_std : float
-        Standard deviation of the residual over the mesh, in grey levels of the images as prefiltered.
+    residual_rms : float
+        Standard deviation of the residual over the mesh, in grey levels of the images as smoothed.
     cell_residuals : ndarray of float, shape (num_cells,)
         Standard deviation of the residual in each cell, in grey levels.
     outside_cells : ndarray of int
@@ -72,7 +72,7 @@ class Result:
     iterations: int
     history: list[Iteration]
     num_points: int
-    residual_std: float
+    residual_rms: float
     cell_residuals: Floats
     outside_cells: NDArray[np.int64]
 
@@ -80,7 +80,7 @@ class Result:
         state = "converged" if self.converged else "not converged"
         return (
             f"Result({state} in {self.iterations} iterations, {self.mesh.num_nodes} nodes, {self.num_points} points, "
-            f"residual_std={self.residual_std:.3g})"
+            f"residual_rms={self.residual_rms:.3g})"
         )
 
     def at(self, points: ArrayLike) -> Floats:

@@ -68,7 +68,7 @@ def summary(result: Result) -> dict[str, Any]:
     return {
         "converged": result.converged,
         "iterations": result.iterations,
-        "residual_std": _finite(result.residual_std),
+        "residual_rms": _finite(result.residual_rms),
         "num_nodes": result.mesh.num_nodes,
         "num_cells": result.mesh.num_cells,
         "num_points": result.num_points,
@@ -86,7 +86,7 @@ def _write_summary(result: Result, path: Path) -> None:
             "level": entry.level,
             "iteration": entry.iteration,
             "correction": _finite(entry.correction),
-            "residual_std": _finite(entry.residual_std),
+            "residual_rms": _finite(entry.residual_rms),
         }
         for entry in result.history
     ]
@@ -106,7 +106,7 @@ def _write_arrays(result: Result, path: Path) -> None:
         "converged": np.array(result.converged),
         "iterations": np.array(result.iterations),
         "num_points": np.array(result.num_points),
-        "residual_std": np.array(result.residual_std),
+        "residual_rms": np.array(result.residual_rms),
     }
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]

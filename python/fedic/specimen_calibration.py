@@ -51,7 +51,7 @@ class SpecimenCalibration:
         Every iteration, coarsest level first; the corrections are root mean squares of what moves in the images.
     converged : bool
         Whether the last correction was within the tolerance.
-    residual_std : float
+    residual_rms : float
         Standard deviation of the grey levels of an image, as filtered, about the texture that all images share.
     noise : float
         Standard deviation of the noise of an image as recorded that the covariance stands on, in grey levels.
@@ -68,7 +68,7 @@ class SpecimenCalibration:
     motion_standard_deviations: Floats
     history: list[Iteration]
     converged: bool
-    residual_std: float
+    residual_rms: float
     noise: float
     num_points: int
     advice: list[str] = field(default_factory=list)
@@ -93,7 +93,7 @@ def calibrate_on_specimen(
     noise: float | None = None,
     density: float = 1.0,
     interpolation: Interpolation = "bspline5",
-    prefilter: float = 0.8,
+    smoothing: float = 0.8,
     brightness: Literal["global"] | None = "global",
     tolerance: float = 1e-5,
     max_iterations: int = 50,
@@ -133,7 +133,7 @@ def calibrate_on_specimen(
         Standard deviation of the noise of one image as recorded, in grey levels; from the residual unless given.
     density : float
         Quadrature points per pixel.
-    interpolation, prefilter, num_threads
+    interpolation, smoothing, num_threads
         See `Correlator`.
     brightness : {"global"} or None
         Whether a gain and an offset of each image are found too.
@@ -170,7 +170,7 @@ def calibrate_on_specimen(
     noise it gathers (see `Correlator.standard_deviations`). It holds what noise does, not what a wrong model does: a
     specimen that is not flat, or that deforms.
 
-    The pixels within 5 and 4 times the prefilter of the border are not used.
+    The pixels within 5 and 4 times the smoothing of the border are not used.
     """
     reference = as_image(reference, "reference")
     moved = _checked_images(reference, images)
@@ -188,7 +188,7 @@ def calibrate_on_specimen(
         known_translations=known_translations,
         density=density,
         interpolation=interpolation,
-        prefilter=prefilter,
+        smoothing=smoothing,
         brightness=brightness is not None,
         noise=noise,
         tolerance=tolerance,
@@ -204,7 +204,7 @@ def calibrate_on_specimen(
         motion_standard_deviations=found.motion_deviations,
         history=[Iteration(*entry) for entry in found.history],
         converged=found.converged,
-        residual_std=found.residual_std,
+        residual_rms=found.residual_rms,
         noise=found.noise,
         num_points=found.num_points,
         advice=_advice(found, names, mesh, (reference.shape[1], reference.shape[0])),

@@ -28,11 +28,11 @@ impl Correlator {
     #[new]
     #[pyo3(signature = (
         reference, mesh, camera, *, rule="rotated", density=1.0, interpolation="bspline5", gradient="analytic",
-        prefilter=0.8, brightness=Some("global"), hessian="initial", regularization=None, tolerance=1e-3,
+        smoothing=0.8, brightness=Some("global"), hessian="initial", regularization_length=None, tolerance=1e-3,
         max_iterations=50, num_threads=None, progress=None
     ), text_signature = "(reference, mesh, camera, *, rule='rotated', density=1.0, interpolation='bspline5', \
-                         gradient='analytic', prefilter=0.8, brightness='global', hessian='initial', \
-                         regularization=None, tolerance=0.001, max_iterations=50, num_threads=None, progress=None)")]
+                         gradient='analytic', smoothing=0.8, brightness='global', hessian='initial', \
+                         regularization_length=None, tolerance=0.001, max_iterations=50, num_threads=None, progress=None)")]
     #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
@@ -43,10 +43,10 @@ impl Correlator {
         density: f64,
         interpolation: &str,
         gradient: &str,
-        prefilter: f64,
+        smoothing: f64,
         brightness: Option<&str>,
         hessian: &str,
-        regularization: Option<f64>,
+        regularization_length: Option<f64>,
         tolerance: f64,
         max_iterations: usize,
         num_threads: Option<usize>,
@@ -65,10 +65,10 @@ impl Correlator {
             quadrature,
             interpolation: Interpolation::from_str(interpolation).map_err(|error| solve_error(error.to_string()))?,
             gradient: Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?,
-            prefilter,
+            smoothing,
             brightness: Brightness::from_str(brightness.unwrap_or("none")).map_err(IntoPyErr::into_py_err)?,
             hessian: Hessian::from_str(hessian).map_err(IntoPyErr::into_py_err)?,
-            regularization,
+            regularization_length,
             tolerance,
             max_iterations,
             num_threads,
@@ -192,17 +192,17 @@ impl Solution {
         self.0.iterations
     }
 
-    /// ``(level, iteration, correction in pixels, residual_std)`` of every iteration, coarsest level first.
+    /// ``(level, iteration, correction in pixels, residual_rms)`` of every iteration, coarsest level first.
     #[getter]
     fn history(&self) -> Vec<(usize, usize, f64, f64)> {
-        let row = |i: &Iteration| (i.level, i.iteration, i.correction, i.residual_std);
+        let row = |i: &Iteration| (i.level, i.iteration, i.correction, i.residual_rms);
         self.0.history.iter().map(row).collect()
     }
 
     /// Standard deviation of the residual over the mesh, in grey levels.
     #[getter]
-    fn residual_std(&self) -> f64 {
-        self.0.residual_std
+    fn residual_rms(&self) -> f64 {
+        self.0.residual_rms
     }
 
     /// Root mean square of the residual over each cell, (num_cells,) float64, in grey levels.

@@ -66,7 +66,7 @@ impl<'py> GreyArray<'py> {
 /// pixels : (n, 2) array_like
 ///     Image points ``(u, v)``.
 /// interpolation : {"bspline3", "bilinear", "bicubic", "bspline5"}
-/// prefilter : float
+/// smoothing : float
 ///     Standard deviation in pixels of a Gaussian filter applied first.
 /// gradient : {"analytic", "finite-difference"}
 ///
@@ -83,13 +83,13 @@ impl<'py> GreyArray<'py> {
 ///     If the image or an option cannot be used.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-#[pyo3(signature = (image, pixels, interpolation="bspline3", prefilter=0.0, gradient="analytic"))]
+#[pyo3(signature = (image, pixels, interpolation="bspline3", smoothing=0.0, gradient="analytic"))]
 pub(crate) fn interpolate_image<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
     pixels: &Bound<'py, PyAny>,
     interpolation: &str,
-    prefilter: f64,
+    smoothing: f64,
     gradient: &str,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<f32>>)> {
     let grey = GreyArray::borrow(image, "image")?;
@@ -98,7 +98,7 @@ pub(crate) fn interpolate_image<'py>(
     let interpolation = Interpolation::from_str(interpolation).map_err(IntoPyErr::into_py_err)?;
     let gradient = Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?;
     let (values, gradients) = run(py, None, move |_| {
-        let sampler = Sampler::new(view, interpolation, gradient, prefilter)?;
+        let sampler = Sampler::new(view, interpolation, gradient, smoothing)?;
         let (u, v): (Vec<f64>, Vec<f64>) = pixels.iter().map(|p| (p[0], p[1])).unzip();
         let mut values = vec![0.0; u.len()];
         let mut along = [vec![0.0; u.len()], vec![0.0; u.len()]];

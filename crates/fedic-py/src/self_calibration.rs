@@ -19,7 +19,7 @@ use crate::worker::run;
 #[pyfunction]
 #[pyo3(signature = (
     images, mesh, camera, parameters, translations, *, motion="in-plane", known_translations=false, density=1.0,
-    interpolation="bspline5", prefilter=0.8, brightness=true, noise=None, tolerance=1e-5, max_iterations=50,
+    interpolation="bspline5", smoothing=0.8, brightness=true, noise=None, tolerance=1e-5, max_iterations=50,
     num_threads=None, progress=None
 ))]
 #[allow(clippy::too_many_arguments)]
@@ -34,7 +34,7 @@ pub(crate) fn calibrate_on_specimen(
     known_translations: bool,
     density: f64,
     interpolation: &str,
-    prefilter: f64,
+    smoothing: f64,
     brightness: bool,
     noise: Option<f64>,
     tolerance: f64,
@@ -59,7 +59,7 @@ pub(crate) fn calibrate_on_specimen(
         known_translations,
         density,
         interpolation: Interpolation::from_str(interpolation).map_err(|error| solve_error(error.to_string()))?,
-        prefilter,
+        smoothing,
         brightness,
         noise,
         tolerance,
@@ -118,10 +118,10 @@ impl SelfCalibration {
         to_array(py, &self.inner.motion_deviations)
     }
 
-    /// ``(level, iteration, correction in pixels, residual_std)`` of every iteration, coarsest level first.
+    /// ``(level, iteration, correction in pixels, residual_rms)`` of every iteration, coarsest level first.
     #[getter]
     fn history(&self) -> Vec<(usize, usize, f64, f64)> {
-        let row = |i: &Iteration| (i.level, i.iteration, i.correction, i.residual_std);
+        let row = |i: &Iteration| (i.level, i.iteration, i.correction, i.residual_rms);
         self.inner.history.iter().map(row).collect()
     }
 
@@ -133,8 +133,8 @@ impl SelfCalibration {
 
     /// Standard deviation of the grey levels of one image about the texture, as filtered.
     #[getter]
-    fn residual_std(&self) -> f64 {
-        self.inner.residual_std
+    fn residual_rms(&self) -> f64 {
+        self.inner.residual_rms
     }
 
     /// Standard deviation of the noise of one image that the covariance stands on, in grey levels.

@@ -32,7 +32,7 @@ impl Monitor for Channel {
 /// Runs `work` on a thread of its own without the interpreter lock.
 ///
 /// Meanwhile this thread looks for signals and hands every step on to the Python function `progress(stage, level,
-/// iteration, correction, residual_std)`. An exception in either stops the work and is raised.
+/// iteration, correction, residual_rms)`. An exception in either stops the work and is raised.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -77,7 +77,7 @@ fn attend(receiver: &Receiver<Progress>, ended: &Receiver<()>, callback: Option<
                     Stage::Pyramid => "pyramid",
                     Stage::Solve => "solve",
                 };
-                function.call1(py, (stage, p.level, p.iteration, p.correction, p.residual_std))?;
+                function.call1(py, (stage, p.level, p.iteration, p.correction, p.residual_rms))?;
             }
             Ok::<(), PyErr>(())
         })?;

@@ -49,7 +49,7 @@ fn run(reference: &str, deformed: &str, size: f64) -> Result<(), Box<dyn Error>>
         solution.num_points,
         if solution.converged { "converged" } else { "NOT converged" },
         solution.iterations,
-        solution.residual_std,
+        solution.residual_rms,
         start.elapsed().as_secs_f64()
     );
     let count = mesh.num_nodes() as f64;

@@ -7,16 +7,15 @@ use fedic_image::{ImageError, ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::alignment::align;
-use crate::cell_view::seen_displacement;
-use crate::gauss_newton::Iterations;
-use crate::level::{Level, LevelSettings};
-use crate::pyramid::Pyramid;
-use crate::residual::Evaluator;
-use crate::system::System;
-use crate::{
-    COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage, residual_map, uncertainty,
-};
+use crate::equations::image_term::Evaluator;
+use crate::equations::unknowns::System;
+use crate::observation::level::{Level, LevelSettings};
+use crate::projection::cell_projection::seen_displacement;
+use crate::results::{covariance, residual_map};
+use crate::solve::gauss_newton::Iterations;
+use crate::solve::pyramid::Pyramid;
+use crate::solve::smooth_start::align;
+use crate::{COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage};
 
 /// From this number of unknowns on the factor is worth making small: it would take 5 MB, which each iteration reads twice.
 const COMPACT_DOFS: usize = 10_000;
@@ -73,16 +72,16 @@ impl Correlator {
             // The order of the unknowns keeps one thread busy for a while: the others do what they can.
             let (system, sampler) = rayon::join(
                 || System::new(mesh),
-                || Sampler::new(reference, options.interpolation, options.gradient, options.prefilter),
+                || Sampler::new(reference, options.interpolation, options.gradient, options.smoothing),
             );
             let (system, sampler) = (system?, sampler?);
             let settings = LevelSettings {
                 quadrature: options.quadrature,
                 size: [reference.width(), reference.height()],
-                wavelength: options.regularization,
+                wavelength: options.regularization_length,
                 whole_mesh: true,
                 // A penalty makes the system stiff, whatever its pivots say.
-                compact: options.regularization.is_none() && system.pattern.num_dofs() >= COMPACT_DOFS,
+                compact: options.regularization_length.is_none() && system.pattern.num_dofs() >= COMPACT_DOFS,
             };
             let level = Level::new(&system, Arc::clone(&camera), sampler, &settings, monitor)?;
             Ok::<_, Error>((system, level))
@@ -91,7 +90,7 @@ impl Correlator {
             Some(pool) => pool.install(prepare),
             None => prepare(),
         }?;
-        let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_std: 0.0 };
+        let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
         let size = [reference.width(), reference.height()];
         Ok(Self { system, camera, options, size, level, pyramid: OnceLock::new(), last: Mutex::default(), pool })
@@ -156,7 +155,7 @@ impl Correlator {
         self.check_size(deformed)?;
         self.in_pool(|| {
             let displacement = self.system.restrict(displacement)?;
-            let interpolator = |view| Interpolator::smoothed(view, self.options.interpolation, self.options.prefilter);
+            let interpolator = |view| Interpolator::smoothed(view, self.options.interpolation, self.options.smoothing);
             let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
             residual_map::residual_map(&self.evaluator(&deformed), &reference, &displacement, monitor)
         })
@@ -166,17 +165,17 @@ impl Correlator {
     /// nodes that no cell uses.
     ///
     /// `reference` is the image this correlator was made of. `noise` is the standard deviation, in grey levels, of the noise
-    /// of one image as recorded, before any prefilter: white from pixel to pixel, and the same in both images.
+    /// of one image as recorded, before any smoothing: white from pixel to pixel, and the same in both images.
     ///
     /// The standard deviations are the roots of the diagonal of `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a
     /// regularization included. `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p`
-    /// pixels, with `h = N^T J_P^T grad f` of the reference image through the prefilter twice: `A` and the noise that the
+    /// pixels, with `h = N^T J_P^T grad f` of the reference image through the smoothing twice: `A` and the noise that the
     /// right-hand side gathers each see it. A point counts for no more pixels than a reading of the image averages: 1.25
-    /// through the interpolation, `4 pi s^2` through a prefilter of standard deviation `s`.
+    /// through the interpolation, `4 pi s^2` through a smoothing of standard deviation `s`.
     ///
     /// Only the scatter at convergence is predicted: neither the bias of interpolation and noise, nor that of a mesh too
     /// coarse for the field. The prediction is too large for [`Gradient::FiniteDifference`](crate::Gradient), as
-    /// the sensitivity of the residual is that of the analytic gradient; too large with a prefilter as wide as a tenth of
+    /// the sensitivity of the residual is that of the analytic gradient; too large with a smoothing as wide as a tenth of
     /// the cells, over which shape functions are taken as constant; and too small where the noise is no longer small
     /// beside the gradient of the reference image, to which it adds.
     ///
@@ -195,7 +194,7 @@ impl Correlator {
         self.check_size(reference)?;
         self.in_pool(|| {
             let deviations =
-                uncertainty::standard_deviations(&self.system, &self.level, reference, &self.options, noise, monitor)?;
+                covariance::standard_deviations(&self.system, &self.level, reference, &self.options, noise, monitor)?;
             Ok(self.system.extend(&deviations))
         })
     }
@@ -240,7 +239,7 @@ impl Correlator {
             converged: outcome.converged,
             iterations: history.iter().filter(|iteration| iteration.level == 0).count(),
             history,
-            residual_std: outcome.evaluation.residual_std,
+            residual_rms: outcome.evaluation.residual_rms,
             cell_residuals: outcome.evaluation.cell_residuals,
             outside_cells: outcome.evaluation.outside_cells,
             num_points: self.num_points(),
@@ -249,11 +248,11 @@ impl Correlator {
 
     /// Prepares a deformed image.
     fn prepare(&self, deformed: ImageView<'_>) -> Result<Interpolator, ImageError> {
-        let Options { interpolation, prefilter, .. } = self.options;
+        let Options { interpolation, smoothing, .. } = self.options;
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
         match last {
-            Some(last) => last.renewed(deformed, prefilter),
-            None => Interpolator::smoothed(deformed, interpolation, prefilter),
+            Some(last) => last.renewed(deformed, smoothing),
+            None => Interpolator::smoothed(deformed, interpolation, smoothing),
         }
     }
 

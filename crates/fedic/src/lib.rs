@@ -36,42 +36,22 @@
 //! # Ok::<(), fedic::Error>(())
 //! ```
 
-mod ahead;
-mod alignment;
-mod batch;
-mod brightness;
-mod cell_loop;
-mod cell_quadrature;
-mod cell_view;
 mod correlator;
+mod equations;
 mod error;
-mod expansion;
 mod field;
-mod fit;
-mod gauss_newton;
-mod hessian;
-mod level;
+mod interpolation;
+mod kernels;
 mod monitor;
+mod observation;
 mod options;
-mod point_table;
-mod points;
-mod pyramid;
-mod reference;
-mod regularization;
-mod residual;
-mod residual_map;
-mod sample;
-mod sampler;
+mod projection;
+mod quadrature;
+mod results;
 mod self_calibration;
-mod sights;
-mod simd;
-mod solution;
+mod solve;
 mod speckle;
-mod steps;
 mod strain;
-mod system;
-mod uncertainty;
-mod work;
 
 pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};
@@ -86,13 +66,13 @@ pub use fedic_image::{
 pub use fedic_mesh::{Cell, CellType, Locator, Mesh, MeshError, Rule, rectangle_mesh};
 pub use fedic_sparse::SparseError;
 pub use field::{cell_areas, interpolate_field};
+pub use interpolation::image_sampler::Sampler;
 pub use monitor::{Monitor, Progress, Stage};
 pub use options::{Brightness, Gradient, Hessian, Options, Quadrature};
-pub use sampler::Sampler;
+pub use results::solution::{Iteration, Solution};
 pub use self_calibration::{
     MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,
 };
-pub use solution::{Iteration, Solution};
 pub use speckle::Speckle;
 pub use strain::cell_strains;
 

@@ -23,7 +23,7 @@ pub struct Progress {
     /// Largest nodal correction in pixels of the full resolution.
     pub correction: f64,
     /// Standard deviation of the residual in grey levels.
-    pub residual_std: f64,
+    pub residual_rms: f64,
 }
 
 /// Told of every iteration, and asked many times a second whether to go on.

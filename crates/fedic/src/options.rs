@@ -69,13 +69,13 @@ pub struct Options {
     /// Gradient of the reference image.
     pub gradient: Gradient,
     /// Standard deviation, in pixels, of a Gaussian filter applied to both images first; 0 for none.
-    pub prefilter: f64,
+    pub smoothing: f64,
     /// Brightness and contrast correction.
     pub brightness: Brightness,
     /// When the Hessian is computed.
     pub hessian: Hessian,
     /// Wavelength, in pixels of the reference image, below which the displacement is smoothed (Tikhonov, on its gradient).
-    pub regularization: Option<f64>,
+    pub regularization_length: Option<f64>,
     /// The iteration stops when no node moves by more than this, in pixels.
     pub tolerance: f64,
     /// Most iterations on the images at full resolution.
@@ -90,10 +90,10 @@ impl Default for Options {
             quadrature: Quadrature::default(),
             interpolation: Interpolation::default(),
             gradient: Gradient::default(),
-            prefilter: 0.8,
+            smoothing: 0.8,
             brightness: Brightness::default(),
             hessian: Hessian::default(),
-            regularization: None,
+            regularization_length: None,
             tolerance: 1e-3,
             max_iterations: 50,
             num_threads: None,
@@ -117,11 +117,11 @@ impl Options {
         {
             return refuse("density", "a positive number of at most 10000", &density);
         }
-        if !(self.prefilter.is_finite() && self.prefilter >= 0.0) {
-            return refuse("prefilter", "zero or a positive standard deviation in pixels", &self.prefilter);
+        if !(self.smoothing.is_finite() && self.smoothing >= 0.0) {
+            return refuse("smoothing", "zero or a positive standard deviation in pixels", &self.smoothing);
         }
-        if let Some(length) = self.regularization.filter(|&length| !positive(length)) {
-            return refuse("regularization", "a positive wavelength in pixels", &length);
+        if let Some(length) = self.regularization_length.filter(|&length| !positive(length)) {
+            return refuse("regularization_length", "a positive wavelength in pixels", &length);
         }
         if !positive(self.tolerance) {
             return refuse("tolerance", "a positive number of pixels", &self.tolerance);

@@ -12,8 +12,8 @@ use fedic::{Brightness, Correlator, Hessian, Image, ImageFrame, Options, Quadrat
 /// Everything in a solution that is a number, as bits: NaN equals NaN.
 fn bits(solution: &Solution) -> Vec<u64> {
     let fields = solution.displacement.iter().chain(&solution.pixel_displacement).flatten();
-    let iterations = solution.history.iter().flat_map(|i| [&i.correction, &i.residual_std]);
-    let numbers = fields.chain(iterations).chain(&solution.cell_residuals).chain([&solution.residual_std]);
+    let iterations = solution.history.iter().flat_map(|i| [&i.correction, &i.residual_rms]);
+    let numbers = fields.chain(iterations).chain(&solution.cell_residuals).chain([&solution.residual_rms]);
     let counts = solution.history.iter().flat_map(|i| [i.level as u64, i.iteration as u64]);
     numbers.map(|number| number.to_bits()).chain(counts).collect()
 }
@@ -50,7 +50,7 @@ fn the_number_of_threads_changes_no_bit_of_the_standard_deviations() {
         render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), Motion::translation([0.0; 2]));
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
     let deviations = |num_threads| -> Vec<u64> {
-        let options = Options { prefilter: 0.8, num_threads, ..Options::default() };
+        let options = Options { smoothing: 0.8, num_threads, ..Options::default() };
         let correlator = Correlator::new(reference.view(), &mesh, Arc::new(ImageFrame), options, &()).unwrap();
         let found = correlator.standard_deviations(reference.view(), 2.0, &()).unwrap();
         found.as_flattened().iter().map(|deviation| deviation.to_bits()).collect()

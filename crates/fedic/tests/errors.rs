@@ -122,7 +122,7 @@ fn a_noise_must_be_a_standard_deviation_and_the_reference_the_same() {
 #[test]
 fn images_without_texture_are_refused() {
     let [reference, _] = images();
-    let exact = Options { prefilter: 0.0, interpolation: Interpolation::Bspline3, ..Options::default() };
+    let exact = Options { smoothing: 0.0, interpolation: Interpolation::Bspline3, ..Options::default() };
     let error = refused(prepare(&flat(117.0), &inner_mesh(), exact));
     assert!(matches!(error, Error::Flat { which: "reference", std } if std < 1e-4), "{error:?}");
     assert_eq!(
@@ -163,7 +163,7 @@ fn nodes_that_too_few_points_determine_are_named() {
         "{text}"
     );
     // Smoothing determines them.
-    let options = Options { quadrature, regularization: Some(20.0), ..Options::default() };
+    let options = Options { quadrature, regularization_length: Some(20.0), ..Options::default() };
     assert!(prepare(&reference, &mesh, options).is_ok());
 }
 

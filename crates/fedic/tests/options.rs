@@ -24,13 +24,13 @@ fn options_out_of_their_range_are_refused() {
         let text = format!("density must be a positive number of at most 10000, got {density}");
         cases.push((Options { quadrature: mesh_rule(density), ..Options::default() }, text));
     }
-    for prefilter in [-0.5, f64::NAN, f64::INFINITY] {
-        let text = format!("prefilter must be zero or a positive standard deviation in pixels, got {prefilter}");
-        cases.push((Options { prefilter, ..Options::default() }, text));
+    for smoothing in [-0.5, f64::NAN, f64::INFINITY] {
+        let text = format!("smoothing must be zero or a positive standard deviation in pixels, got {smoothing}");
+        cases.push((Options { smoothing, ..Options::default() }, text));
     }
     for length in [0.0, -10.0, f64::NAN, f64::INFINITY] {
-        let text = format!("regularization must be a positive wavelength in pixels, got {length}");
-        cases.push((Options { regularization: Some(length), ..Options::default() }, text));
+        let text = format!("regularization_length must be a positive wavelength in pixels, got {length}");
+        cases.push((Options { regularization_length: Some(length), ..Options::default() }, text));
     }
     for tolerance in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
         let text = format!("tolerance must be a positive number of pixels, got {tolerance}");
@@ -53,16 +53,16 @@ fn options_out_of_their_range_are_refused() {
 fn options_at_the_ends_of_their_range_are_accepted() {
     for options in [
         Options { quadrature: Quadrature::Mesh { rule: Rule::Edges, density: 10_000.0 }, ..Options::default() },
-        Options { prefilter: 0.0, max_iterations: 1, num_threads: Some(1), ..Options::default() },
-        Options { regularization: Some(1e-3), tolerance: f64::MIN_POSITIVE, ..Options::default() },
+        Options { smoothing: 0.0, max_iterations: 1, num_threads: Some(1), ..Options::default() },
+        Options { regularization_length: Some(1e-3), tolerance: f64::MIN_POSITIVE, ..Options::default() },
     ] {
         assert_eq!(prepare(options), Ok(()));
     }
 }
 
 #[test]
-fn a_prefilter_wider_than_the_image_is_refused() {
-    let error = prepare(Options { prefilter: 31.0, ..Options::default() }).unwrap_err();
+fn a_smoothing_wider_than_the_image_is_refused() {
+    let error = prepare(Options { smoothing: 31.0, ..Options::default() }).unwrap_err();
     assert_eq!(error, Error::Image(ImageError::InvalidSigma { sigma: 31.0, largest: 30 }));
 }
 

@@ -22,8 +22,8 @@ const QUADRATURES: [Quadrature; 4] = [
 const MOST_ITERATIONS: usize = 7;
 
 fn options(quadrature: Quadrature) -> Options {
-    // No prefilter: the filter of the deformed image would not stretch with the material.
-    Options { quadrature, prefilter: 0.0, tolerance: 1e-5, ..Options::default() }
+    // No smoothing: the filter of the deformed image would not stretch with the material.
+    Options { quadrature, smoothing: 0.0, tolerance: 1e-5, ..Options::default() }
 }
 
 fn measure(images: &[Image; 2], mesh: &Mesh, camera: &Arc<dyn Camera>, options: Options) -> Solution {

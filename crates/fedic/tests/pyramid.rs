@@ -30,7 +30,7 @@ fn the_pyramid_finds_what_zero_does_not() {
     // It may say that it converged, or that it did not; what it finds is not the motion.
     if let Ok(from_zero) = correlator.correlate(images[1].view(), Start::Zero, &()) {
         assert!(largest_error(&mesh, &from_zero.displacement, motion) > 1.0);
-        assert!(from_zero.residual_std > 5.0 * coarse_to_fine.residual_std);
+        assert!(from_zero.residual_rms > 5.0 * coarse_to_fine.residual_rms);
     }
 
     // A field is a start as good as the pyramid's.

@@ -47,7 +47,7 @@ const LENS: [Parameter; 3] = [Parameter::K1, Parameter::Cx, Parameter::Cy];
 #[test]
 fn the_lens_its_centre_and_the_motions_are_found() {
     for motion in [MotionKind::Translation, MotionKind::InPlane, MotionKind::Spatial] {
-        let options = SelfCalibrationOptions { motion, prefilter: 0.0, ..SelfCalibrationOptions::default() };
+        let options = SelfCalibrationOptions { motion, smoothing: 0.0, ..SelfCalibrationOptions::default() };
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
         assert!(found.converged, "{:?}", found.history);
         let k1 = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
@@ -86,7 +86,7 @@ fn the_number_of_threads_changes_no_bit() {
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
         let lens = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
         let motions = found.motions.iter().chain(&found.motion_deviations).flatten();
-        let iterations = found.history.iter().flat_map(|i| [&i.correction, &i.residual_std]);
+        let iterations = found.history.iter().flat_map(|i| [&i.correction, &i.residual_rms]);
         let numbers = motions.chain(iterations).chain(&found.covariance).chain([&lens, &found.noise]);
         numbers.map(|number| number.to_bits()).collect()
     };

@@ -52,21 +52,21 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "tolerance 1e-4 px": {"tolerance": 1e-4},
     "tolerance 1e-5 px": {"tolerance": 1e-5},
     'hessian="updated"': {"hessian": "updated"},
-    "no prefilter": {"prefilter": 0.0},
+    "no smoothing": {"smoothing": 0.0},
     "bspline3": {"interpolation": "bspline3"},
     "bicubic": {"interpolation": "bicubic"},
     "bilinear": {"interpolation": "bilinear"},
     "finite-difference": {"gradient": "finite-difference"},
-    "finite-difference, no prefilter": {"gradient": "finite-difference", "prefilter": 0.0},
-    "bicubic, finite-difference, no prefilter": {
+    "finite-difference, no smoothing": {"gradient": "finite-difference", "smoothing": 0.0},
+    "bicubic, finite-difference, no smoothing": {
         "interpolation": "bicubic",
         "gradient": "finite-difference",
-        "prefilter": 0.0,
+        "smoothing": 0.0,
     },
-    "analytic, 1e-5 px, no prefilter": {"prefilter": 0.0, "tolerance": 1e-5},
-    "finite-difference, 1e-5 px, no prefilter": {
+    "analytic, 1e-5 px, no smoothing": {"smoothing": 0.0, "tolerance": 1e-5},
+    "finite-difference, 1e-5 px, no smoothing": {
         "gradient": "finite-difference",
-        "prefilter": 0.0,
+        "smoothing": 0.0,
         "tolerance": 1e-5,
     },
 }

@@ -116,11 +116,11 @@ def _of_iterations(rows: list[Row]) -> Iterator[Claim]:
         f"{min(updated)} to {max(updated)}",
         updated == default,
     )
-    analytic = counts("analytic, 1e-5 px, no prefilter")
-    differences = counts("finite-difference, 1e-5 px, no prefilter")
+    analytic = counts("analytic, 1e-5 px, no smoothing")
+    differences = counts("finite-difference, 1e-5 px, no smoothing")
     ratios = [slow / fast for slow, fast in zip(differences, analytic, strict=True)]
     yield Claim(
-        f"{image} image, tolerance 1e-5 px, no prefilter: finite-difference gradients take "
+        f"{image} image, tolerance 1e-5 px, no smoothing: finite-difference gradients take "
         f"{_FINITE_DIFFERENCES[0]:g} to {_FINITE_DIFFERENCES[1]:g} times the iterations of analytic ones",
         f"{min(ratios):.2f} to {max(ratios):.2f} times",
         min(ratios) >= _FINITE_DIFFERENCES[0] and max(ratios) <= _FINITE_DIFFERENCES[1],

@@ -30,7 +30,7 @@ WIDE_FOCAL = 1400.0
 TEXTURES, QUICK_TEXTURES = 2, 1
 LARGEST_BIAS, NEAR_BOUND, NEAR_THEORY = 1e-4, 0.1, 0.03
 LARGEST_CORNER = 10.0
-"""Distortion at the corner of the sensor, in pixels, up to which the prefilter is claimed to cost nothing."""
+"""Distortion at the corner of the sensor, in pixels, up to which the smoothing is claimed to cost nothing."""
 LEAST_FITTED = 1e-3
 """Error of ignoring the lens, in pixels, from which it is fitted."""
 _NONE = "none"
@@ -129,8 +129,8 @@ def run(request: Request) -> Outcome:
         "in 16 bits. *Theory* is the distortion where a node arrives less the distortion where it was. Without "
         "rounding the error with the lens grows with the distortion, though it stays below that of rounding up to "
         "some 10 px at the corner of the image: where the lens magnifies differently in the two places, the pixel's "
-        "aperture and the prefilter, which are of one size in pixels, blur the material differently. The prefilter "
-        "of 0.8 px is the larger part, and `prefilter=0` is the better choice with such lenses.",
+        "aperture and the smoothing, which are of one size in pixels, blur the material differently. The smoothing "
+        "of 0.8 px is the larger part, and `smoothing=0` is the better choice with such lenses.",
         rows,
         _claims(rows),
         {"": _figure(rows)},

@@ -76,10 +76,10 @@ def run(request: Request) -> Outcome:
         "were no lens (*pixel*). Bias and standard deviation of the error over the nodes are averaged over the "
         "textures; the standard deviation drawn is the root mean square of both components. The bound is that of "
         "Cramér and Rao for rounding noise of 1/sqrt(12) grey levels in each image, from the first 8-bit reference "
-        "image without prefilter, root mean square over the nodes and both components. The rounding noise does not "
+        "image without smoothing, root mean square over the nodes and both components. The rounding noise does not "
         f"average out over one mesh: the mean error of one pair is a draw of standard deviation {floor:.1e} px at "
         "best, whatever the method. The first texture in 16 bits shows the error without rounding. *paper*: bicubic "
-        "interpolation, finite-difference gradients, diameter rule; *unfiltered*: the default without prefilter; "
+        "interpolation, finite-difference gradients, diameter rule; *unfiltered*: the default without smoothing; "
         "*default*: what `correlate` does when told nothing.",
         rows,
         [claim for setting in SETTINGS for claim in _claims(setting, rows, floor)],

@@ -89,7 +89,7 @@ def run(request: Request) -> Outcome:
         "noise of 1/sqrt(12) grey levels in each image. In the paper's setting quadrilaterals are worse at one point "
         "per pixel than at three quarters: on a grid that lies along the pixels all points then have the same place "
         "in their pixel, and the error of bicubic interpolation does not average out; the paper's rule, which takes "
-        "two to three points per pixel, and the rotated grid avoid that. A prefilter of 0.8 px gathers in each point "
+        "two to three points per pixel, and the rotated grid avoid that. A smoothing of 0.8 px gathers in each point "
         "the pixels around it: with it half the points do.",
         rows,
         _claims(rows),
@@ -191,7 +191,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
     twice = {cell: -_change(rows, DEFAULT, cell, 2.0, 1.0) for cell in CELLS}
     claims.append(
         Claim(
-            f"default ({OWN_RULE[DEFAULT.name]}): with the prefilter half a point per pixel is enough, a standard "
+            f"default ({OWN_RULE[DEFAULT.name]}): with the smoothing half a point per pixel is enough, a standard "
             "deviation higher by at most 2 % than at one, of which twice as many points take off at most 1 %",
             f"{_percents(half)} higher at half; {_percents(twice)} lower at twice",
             max(half.values()) <= 0.02 and max(twice.values()) <= 0.01,

@@ -74,7 +74,7 @@ def run(request: Request) -> Outcome:
         f"{floor:.1e} px, whatever the method. The same images in 16 bits show the error without rounding. *Theory* "
         "is the distortion where a node arrives less the distortion where it was; iso-lines of the measured error "
         "follow it. The bound is that of Cramér and Rao for rounding noise of 1/sqrt(12) grey levels in each image, "
-        "from the first 8-bit reference image without prefilter; compared are root mean squares over the nodes and "
+        "from the first 8-bit reference image without smoothing; compared are root mean squares over the nodes and "
         "both components.",
         rows,
         _claims(rows, expected, floor),

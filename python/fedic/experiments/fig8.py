@@ -53,7 +53,7 @@ def run(request: Request) -> Outcome:
         f"Unstructured meshes of {SIZE} px. Error: the translations of Fig. 7, without noise. Noise: standard "
         f"deviation, over {QUICK_DRAWS if request.quick else DRAWS} draws of {NOISE:g} grey levels added to both "
         "images, the second moved by 0.4 px, root mean square over the nodes, divided by the Cramér-Rao bound: the "
-        f"prediction `standard_deviations({NOISE:g})` without prefilter from the image without that noise. {LEGEND}",
+        f"prediction `standard_deviations({NOISE:g})` without smoothing from the image without that noise. {LEGEND}",
         rows,
         [claim for name in names for claim in _claims(name, rows)],
         {name if len(names) > 1 else "": _figure(name, rows) for name in names},
@@ -123,7 +123,7 @@ def _claims(image: str, rows: list[Row]) -> list[Claim]:
     half = np.array([ratio(DEFAULT, cell, "rotated", 0.5) for cell in CELLS]) / default
     claims.append(
         Claim(
-            f"{image} image, default: the prefilter makes half the points cost less than 4 % of noise",
+            f"{image} image, default: the smoothing makes half the points cost less than 4 % of noise",
             f"{_listed(half)}; at density 1 {_listed(default)} of the bound",
             bool(half.max() < 1.04),
         )

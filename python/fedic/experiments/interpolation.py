@@ -1,4 +1,4 @@
-"""Bias over the sub-pixel shift for every interpolation, gradient and prefilter, and what each costs in noise."""
+"""Bias over the sub-pixel shift for every interpolation, gradient and smoothing, and what each costs in noise."""
 
 from itertools import product
 
@@ -19,7 +19,7 @@ __all__ = ["run"]
 
 INTERPOLATIONS, QUICK_INTERPOLATIONS = ("bilinear", "bicubic", "bspline3", "bspline5"), ("bspline3", "bspline5")
 GRADIENTS, QUICK_GRADIENTS = ("analytic", "finite-difference"), ("analytic",)
-PREFILTERS, QUICK_PREFILTERS = (0.0, 0.4, 0.6, 0.7, 0.8, 1.0), (0.0, 0.7, 0.8)
+SMOOTHINGS, QUICK_SMOOTHINGS = (0.0, 0.4, 0.6, 0.7, 0.8, 1.0), (0.0, 0.7, 0.8)
 SHIFTS, QUICK_SHIFTS = tuple(round(0.1 * k, 1) for k in range(1, 10)), (0.3, 0.4, 0.5)
 SIZE = 20
 REGULAR = (60.25, 70.25, 240.25, 330.25)
@@ -31,7 +31,7 @@ CHOSEN = ("bspline5", "analytic", 0.8)
 
 
 def run(request: Request) -> Outcome:
-    """Measure translations by fractions of a pixel with every interpolation, gradient and prefilter.
+    """Measure translations by fractions of a pixel with every interpolation, gradient and smoothing.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def run(request: Request) -> Outcome:
     Returns
     -------
     Outcome
-        Rows over image, mesh, rule, interpolation, gradient and prefilter.
+        Rows over image, mesh, rule, interpolation, gradient and smoothing.
     """
     images = subjects(request)
     rows: list[Row] = []
@@ -50,7 +50,7 @@ def run(request: Request) -> Outcome:
     names = [subject.name for subject in images]
     return Outcome(
         "interpolation",
-        "Interpolation, gradient and prefilter: what each costs and gains",
+        "Interpolation, gradient and smoothing: what each costs and gains",
         "Translations from 0.1 to 0.9 px in the Fourier domain, measured on an unstructured mesh of quads of "
         f"{SIZE} px and on a regular one of exactly {SIZE} px, where the points of the `edges` rule all have the same "
         "place in their pixels. *bias* and *std*: largest over the shifts. *noise*: standard deviation under noise of "
@@ -75,7 +75,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
         product(
             QUICK_INTERPOLATIONS if quick else INTERPOLATIONS,
             QUICK_GRADIENTS if quick else GRADIENTS,
-            QUICK_PREFILTERS if quick else PREFILTERS,
+            QUICK_SMOOTHINGS if quick else SMOOTHINGS,
         )
     )
     meshes: tuple[tuple[str, Mesh, MeshQuadrature], ...] = (
@@ -86,8 +86,8 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
         ("regular", regular, MeshQuadrature(rule="edges")),
     )
     rows: list[Row] = []
-    for interpolation, gradient, prefilter in choices:
-        options = {"interpolation": interpolation, "gradient": gradient, "prefilter": prefilter}
+    for interpolation, gradient, smoothing in choices:
+        options = {"interpolation": interpolation, "gradient": gradient, "smoothing": smoothing}
         for name, mesh, quadrature in meshes:
             setting = Setting(interpolation, options, quadrature)
             found = measure_shifts(reference, deformed, shifts, mesh, setting, quadrature)
@@ -145,24 +145,24 @@ class _Stretch:
 
 def _claims(image: str, rows: list[Row]) -> list[Claim]:
     def find(
-        prefilter: float, interpolation: str = CHOSEN[0], mesh: str = "unstructured", rule: str = "rotated"
+        smoothing: float, interpolation: str = CHOSEN[0], mesh: str = "unstructured", rule: str = "rotated"
     ) -> Row:
-        wanted = (image, mesh, rule, interpolation, CHOSEN[1], prefilter)
-        keys = ("image", "mesh", "rule", "interpolation", "gradient", "prefilter")
+        wanted = (image, mesh, rule, interpolation, CHOSEN[1], smoothing)
+        keys = ("image", "mesh", "rule", "interpolation", "gradient", "smoothing")
         return next(row for row in rows if tuple(row[key] for key in keys) == wanted)
 
     def bias(row: Row) -> float:
         return float(row["bias_px"])
 
-    interpolation, _, prefilter = CHOSEN
-    chosen, bare, edges = find(prefilter), find(0.0), find(prefilter, rule="edges")
-    regular, regular_edges = (find(prefilter, mesh="regular", rule=rule) for rule in ("rotated", "edges"))
+    interpolation, _, smoothing = CHOSEN
+    chosen, bare, edges = find(smoothing), find(0.0), find(smoothing, rule="edges")
+    regular, regular_edges = (find(smoothing, mesh="regular", rule=rule) for rule in ("rotated", "edges"))
     others = (
-        f"with 0.7 px {bias(find(0.7)):.1e}, without {bias(bare):.1e}, bspline3 {bias(find(prefilter, 'bspline3')):.1e}"
+        f"with 0.7 px {bias(find(0.7)):.1e}, without {bias(bare):.1e}, bspline3 {bias(find(smoothing, 'bspline3')):.1e}"
     )
     return [
         Claim(
-            f"{image} image: {interpolation} with a prefilter of {prefilter:g} px keeps the bias below "
+            f"{image} image: {interpolation} with a smoothing of {smoothing:g} px keeps the bias below "
             f"{LARGEST_BIAS:g} px at every shift",
             f"{bias(chosen):.1e} px; {others}",
             bias(chosen) <= LARGEST_BIAS,
@@ -178,7 +178,7 @@ def _claims(image: str, rows: list[Row]) -> list[Claim]:
             chosen["std_px"] < edges["std_px"],
         ),
         Claim(
-            f"{image} image: with that prefilter the noise stays within 10 % of the Cramér-Rao bound",
+            f"{image} image: with that smoothing the noise stays within 10 % of the Cramér-Rao bound",
             f"{chosen['noise_over_bound']:.3f} times; without {bare['noise_over_bound']:.3f}",
             chosen["noise_over_bound"] <= 1.10,
         ),
@@ -192,16 +192,16 @@ def _figure(image: str, rows: list[Row]) -> Figure:
     keys = [key for key in mine[0] if key.startswith("bias_at_")]
     colours = {"bilinear": "tab:gray", "bicubic": "tab:orange", "bspline3": "tab:blue", "bspline5": "tab:green"}
     for row in mine:
-        name, prefilter = row["interpolation"], row["prefilter"]
-        if prefilter in (0.0, 0.8):
+        name, smoothing = row["interpolation"], row["smoothing"]
+        if smoothing in (0.0, 0.8):
             left.plot(
                 [float(key.removeprefix("bias_at_")) for key in keys],
                 [row[key] for key in keys],
                 color=colours[name],
                 linestyle="-" if row["gradient"] == "analytic" else ":",
-                marker="o" if prefilter else "",
+                marker="o" if smoothing else "",
                 markersize=3,
-                label=f"{name}, {row['gradient']}, {prefilter:g} px",
+                label=f"{name}, {row['gradient']}, {smoothing:g} px",
             )
     left.axhline(LARGEST_BIAS, color="black", linewidth=0.8)
     left.set(yscale="log", xlabel="shift (px)", ylabel="|bias| (px)", title=f"{image} image")
@@ -217,13 +217,13 @@ def _figure(image: str, rows: list[Row]) -> Figure:
             label=f"{name}, {gradient}",
         )
         for row in line:
-            right.annotate(f"{row['prefilter']:g}", (row["noise_over_bound"], row["bias_px"]), fontsize=6)
+            right.annotate(f"{row['smoothing']:g}", (row["noise_over_bound"], row["bias_px"]), fontsize=6)
     right.axhline(LARGEST_BIAS, color="black", linewidth=0.8)
     right.set(
         yscale="log",
         xlabel="noise / Cramér-Rao bound",
         ylabel="largest |bias| (px)",
-        title=f"{image} image: prefilters from 0 to 1 px",
+        title=f"{image} image: smoothings from 0 to 1 px",
     )
     right.legend(fontsize="xx-small")
     for axes in (left, right):

@@ -114,7 +114,7 @@ def measure(
     mesh : Mesh
         In pixels.
     setting : Setting
-        Interpolation, gradient and prefilter.
+        Interpolation, gradient and smoothing.
     quadrature : Quadrature
         Where the points lie.
     lens : bool
@@ -216,7 +216,7 @@ def rounding_bound(scene: Scene, pair: Pair, mesh: Mesh) -> float:
     pair : Pair
         In 8 bits.
     mesh : Mesh
-        In pixels; measured through the camera, with one point per pixel and no prefilter.
+        In pixels; measured through the camera, with one point per pixel and no smoothing.
 
     Returns
     -------

@@ -72,8 +72,8 @@ def run(request: Request) -> Outcome:
         "A synthetic speckle moved by (0.4, -0.3) px; Gaussian noise is added to both images, and the displacement "
         f"measured: {map_draws} draws for quads of {SIZE:g} px at {NOISE:g} grey levels, {draws} for each other case. "
         "*predicted* is `Correlator.standard_deviations` of the image without noise, *as a user would*, of one noisy "
-        "reference image; *bound* is the Cramér-Rao bound, the prediction without prefilter: root mean squares "
-        "over the nodes. A prefilter also reads pixels beyond the edge of the mesh, which the bound does not count: "
+        "reference image; *bound* is the Cramér-Rao bound, the prediction without smoothing: root mean squares "
+        "over the nodes. A smoothing also reads pixels beyond the edge of the mesh, which the bound does not count: "
         f"the scatter may then lie below it. {LEGEND}",
         rows,
         _claims(rows),

@@ -47,10 +47,10 @@ WAYS: dict[str, Options] = {
     "bspline3": PLAIN | {"interpolation": "bspline3"},
     "bspline3, rule edges": PLAIN | {"interpolation": "bspline3", "quadrature": MeshQuadrature(rule="edges")},
     "bicubic": PLAIN | {"interpolation": "bicubic"},
-    "prefilter 0.4 px": PLAIN | {"prefilter": 0.4},
-    "prefilter 0.6 px": PLAIN | {"prefilter": 0.6},
-    "prefilter 0.8 px": PLAIN | {"prefilter": 0.8},
-    "prefilter 1.0 px": PLAIN | {"prefilter": 1.0},
+    "smoothing 0.4 px": PLAIN | {"smoothing": 0.4},
+    "smoothing 0.6 px": PLAIN | {"smoothing": 0.6},
+    "smoothing 0.8 px": PLAIN | {"smoothing": 0.8},
+    "smoothing 1.0 px": PLAIN | {"smoothing": 1.0},
     "no brightness correction": PLAIN | {"brightness": None},
     "brightness by element": PLAIN | {"brightness": "element"},
     "finite-difference gradient": PLAIN | {"gradient": "finite-difference"},
@@ -116,7 +116,7 @@ the period `p` grows from 10 px along the columns. *Noise* is the standard devia
 truly zero, over the columns from 62.5 to 97.5 % of the width and more than 1.5 elements from the mesh's upper and
 lower edge, one sample of the field per pixel; *period* the shortest one at which the amplitude on the middle row,
 averaged over 40 columns, reaches 0.9 of the true one; MEI their product, lower is better. Meshes are regular with a
-line of nodes on the middle row; nothing is regularised. *plain* is the default without prefilter. One pair of images
+line of nodes on the middle row; nothing is regularised. *plain* is the default without smoothing. One pair of images
 holds few independent values: expect some 2 % of scatter from one mesh to another.
 
 **Read the field, not the nodes:** the nodes of four-noded cells have about 1.74 times the noise of the field between

@@ -22,7 +22,7 @@ _INDIFFERENT_WAYS = (
     "pixel quadrature",
     "bspline3",
     "bspline3, rule edges",
-    "prefilter 0.4 px",
+    "smoothing 0.4 px",
     "no brightness correction",
     "brightness by element",
     "finite-difference gradient",
@@ -121,7 +121,7 @@ def _of_ways(found: list[Measured]) -> Iterator[Claim]:
         return
     prices = [each.merit.mei / plain[key].merit.mei for key, each in default.items()]
     yield Claim(
-        f"{star} star: the default's prefilter of 0.8 px costs at most {100 * (_FILTER_PRICE - 1):.0f} % of MEI",
+        f"{star} star: the default's smoothing of 0.8 px costs at most {100 * (_FILTER_PRICE - 1):.0f} % of MEI",
         ", ".join(f"{cell} {size} px: {price:.2f} times" for (cell, size), price in zip(default, prices, strict=True)),
         max(prices) <= _FILTER_PRICE,
     )

@@ -45,22 +45,22 @@ class Setting:
 
 PAPER = Setting(
     "paper",
-    {"interpolation": "bicubic", "gradient": "finite-difference", "prefilter": 0.0},
+    {"interpolation": "bicubic", "gradient": "finite-difference", "smoothing": 0.0},
     MeshQuadrature(rule="diameter"),
 )
 """The paper's own: bicubic interpolation, finite-difference gradients, diameter rule."""
 PAPER_SPLINES = Setting(
     "paper, bspline3",
-    {"interpolation": "bspline3", "gradient": "finite-difference", "prefilter": 0.0},
+    {"interpolation": "bspline3", "gradient": "finite-difference", "smoothing": 0.0},
     MeshQuadrature(rule="diameter"),
 )
 """The same with cubic B-splines."""
-UNFILTERED = Setting("unfiltered", {"prefilter": 0.0}, MeshQuadrature())
-"""The default of fedic without its prefilter: the least noise."""
+UNFILTERED = Setting("unfiltered", {"smoothing": 0.0}, MeshQuadrature())
+"""The default of fedic without its smoothing: the least noise."""
 DEFAULT = Setting("default", {}, MeshQuadrature())
 """What `fedic.correlate` does when told nothing."""
 LEGEND = (
     "*paper*: bicubic interpolation, finite-difference gradients, diameter rule; *paper, bspline3*: the same with "
-    "cubic B-splines; *unfiltered*: the default without prefilter; *default*: what `correlate` does when told nothing."
+    "cubic B-splines; *unfiltered*: the default without smoothing; *default*: what `correlate` does when told nothing."
 )
 """The settings, for the text of an outcome."""

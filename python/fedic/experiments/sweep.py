@@ -95,7 +95,7 @@ def measure_shifts(
     mesh : Mesh
         In the image frame.
     setting : Setting
-        Interpolation, gradient and prefilter.
+        Interpolation, gradient and smoothing.
     quadrature : Quadrature
         Where the points lie.
 
@@ -169,7 +169,7 @@ def draw_displacements(
     mesh : Mesh
         In the image frame.
     setting : Setting
-        Interpolation, gradient and prefilter.
+        Interpolation, gradient and smoothing.
     quadrature : Quadrature
         Where the points lie.
     noise : float

@@ -23,7 +23,7 @@ pub struct SelfCalibration {
     /// Whether the last correction was within the tolerance.
     pub converged: bool,
     /// Standard deviation of the grey levels of one image about the texture, as filtered, in grey levels.
-    pub residual_std: f64,
+    pub residual_rms: f64,
     /// Standard deviation of the noise of one image as recorded that the covariance stands on, in grey levels.
     pub noise: f64,
     /// Number of quadrature points.

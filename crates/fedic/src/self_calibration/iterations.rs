@@ -41,7 +41,7 @@ pub(crate) fn iterate(
     let reach: Vec<f64> = sensitivities(problem, state).iter().map(|s| problem.reach / s).collect();
     let mut damping = 0.0;
     for iteration in 1..=limits.max_iterations {
-        let residual_std = sums.variance().sqrt();
+        let residual_rms = sums.variance().sqrt();
         let (correction, free) = loop {
             if damping > LARGEST_DAMPING {
                 return Ok((sums, sighting, false));
@@ -65,9 +65,9 @@ pub(crate) fn iterate(
             damping = f64::max(FIRST_DAMPING, damping * DAMPING_FACTOR);
         };
         damping = if damping <= FIRST_DAMPING { 0.0 } else { damping / DAMPING_FACTOR };
-        history.push(Iteration { level: limits.level, iteration, correction, residual_std });
+        history.push(Iteration { level: limits.level, iteration, correction, residual_rms });
         let stage = if limits.level == 0 { Stage::Solve } else { Stage::Pyramid };
-        monitor.progress(&Progress { stage, level: limits.level, iteration, correction, residual_std });
+        monitor.progress(&Progress { stage, level: limits.level, iteration, correction, residual_rms });
         if free && correction <= limits.tolerance {
             return Ok((sums, sighting, true));
         }

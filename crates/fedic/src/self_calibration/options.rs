@@ -17,7 +17,7 @@ pub struct SelfCalibrationOptions {
     /// Interpolation of the images.
     pub interpolation: Interpolation,
     /// Standard deviation, in pixels, of a Gaussian filter applied to the images first; 0 for none.
-    pub prefilter: f64,
+    pub smoothing: f64,
     /// Whether gain and offset of each image are unknown too.
     pub brightness: bool,
     /// Standard deviation of the noise of one image as recorded, in grey levels; from the residual where it is `None`.
@@ -37,7 +37,7 @@ impl Default for SelfCalibrationOptions {
             known_translations: false,
             density: 1.0,
             interpolation: Interpolation::Bspline5,
-            prefilter: 0.8,
+            smoothing: 0.8,
             brightness: true,
             noise: None,
             tolerance: 1e-5,
@@ -52,7 +52,7 @@ impl SelfCalibrationOptions {
     pub(crate) fn check(&self) -> Result<(), SolveError> {
         let shared = Options {
             quadrature: Quadrature::Mesh { rule: Rule::default(), density: self.density },
-            prefilter: self.prefilter,
+            smoothing: self.smoothing,
             tolerance: self.tolerance,
             max_iterations: self.max_iterations,
             num_threads: self.num_threads,

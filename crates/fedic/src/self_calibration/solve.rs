@@ -7,7 +7,7 @@ use fedic_image::{Image, ImageError, ImageView, Interpolation, downsample};
 use fedic_mesh::Mesh;
 use rayon::prelude::*;
 
-use crate::brightness::FLAT;
+use crate::observation::photometry::FLAT;
 use crate::self_calibration::iterations::{Limits, iterate};
 use crate::self_calibration::motion::{Motion, RIGID};
 use crate::self_calibration::problem::{Problem, State};
@@ -24,7 +24,7 @@ const COARSE_ITERATIONS: usize = 15;
 /// How far the camera may be wrong at the start, about, as a part of the image's diagonal.
 const REACH: f64 = 0.03;
 /// Pixels along the border that are not read: there the interpolation knows of the image's mirror only. To these come as
-/// many standard deviations of the prefilter.
+/// many standard deviations of the smoothing.
 const MARGIN: f64 = 5.0;
 const MARGIN_DEVIATIONS: f64 = 4.0;
 /// Over how many pixels the interpolation between them averages white noise, about: 1.2 to 1.3 for the splines.
@@ -66,10 +66,10 @@ pub(crate) fn solve(
     start_on_reduced_images(&problem, images, camera, options.density, &mut state, &mut history, monitor)?;
 
     let sample = |filter: fn(ImageView<'_>, Interpolation, Gradient, f64) -> Result<Sampler, ImageError>| {
-        let sample = |view: &ImageView<'_>| filter(*view, options.interpolation, Gradient::Analytic, options.prefilter);
+        let sample = |view: &ImageView<'_>| filter(*view, options.interpolation, Gradient::Analytic, options.smoothing);
         images.iter().map(sample).collect::<Result<Vec<_>, _>>()
     };
-    let margin = MARGIN + MARGIN_DEVIATIONS * options.prefilter;
+    let margin = MARGIN + MARGIN_DEVIATIONS * options.smoothing;
     let frames = Frames { samplers: sample(Sampler::new)?, size, factor: 1.0, margin };
     let view = View::new(&problem, frames, camera, options.density)?;
     let limits = Limits { level: 0, tolerance: options.tolerance, max_iterations: options.max_iterations };
@@ -79,13 +79,13 @@ pub(crate) fn solve(
     check_motion(&problem, &state)?;
     statistics::check_determined(&problem, &sums)?;
 
-    let averaged = (4.0 * PI * options.prefilter.powi(2)).max(PIXELS_INTERPOLATED);
+    let averaged = (4.0 * PI * options.smoothing.powi(2)).max(PIXELS_INTERPOLATED);
     let num_points = view.num_points();
     // A filter smooths the noise before it is gathered: that is to gather it with the gradient filtered once more.
-    let view = if options.prefilter > 0.0 { view.with_samplers(sample(Sampler::filtered_twice)?) } else { view };
+    let view = if options.smoothing > 0.0 { view.with_samplers(sample(Sampler::filtered_twice)?) } else { view };
     let gathered = view.sums(&state, &sighting, |pixels| pixels * (pixels / averaged).max(1.0), monitor)?;
-    let residual_std = sums.variance().sqrt();
-    let noise = options.noise.unwrap_or(residual_std * averaged.sqrt());
+    let residual_rms = sums.variance().sqrt();
+    let noise = options.noise.unwrap_or(residual_rms * averaged.sqrt());
     let covariance =
         statistics::covariance(&sums, &gathered, noise * noise).ok_or_else(|| SelfCalibrationError::Undetermined {
             names: parameters.iter().map(Parameter::to_string).collect(),
@@ -110,7 +110,7 @@ pub(crate) fn solve(
         motion_deviations: (1..images.len()).map(deviations).collect(),
         history,
         converged,
-        residual_std,
+        residual_rms,
         noise,
         num_points,
     })

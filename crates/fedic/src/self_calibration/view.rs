@@ -6,8 +6,8 @@ use std::sync::Arc;
 use fedic_camera::{Camera, Pinhole, Scaled};
 use fedic_mesh::{Rule, jacobian, map};
 
-use crate::cell_loop::for_each_cell;
-use crate::cell_quadrature::CellQuadrature;
+use crate::equations::parallel::for_each_cell;
+use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::rows::{BATCH, Rows, Sight, Sights};
 use crate::self_calibration::sums::Sums;

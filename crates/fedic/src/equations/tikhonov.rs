@@ -1,0 +1,75 @@
+//! Tikhonov smoothing of the displacement by its gradient, set by a wavelength.
+
+use fedic_camera::Camera;
+use fedic_mesh::{Mesh, Subdivision, jacobian, shape_gradients};
+use fedic_sparse::{Pattern, SymmetricMatrix};
+
+use crate::COMPONENTS;
+use crate::equations::unknowns::System;
+use crate::field::PARTS;
+
+/// `integral of grad N_i . grad N_j` for every component, and the area of the mesh.
+#[derive(Debug, Clone)]
+pub(crate) struct Laplacian {
+    pub(crate) matrix: SymmetricMatrix,
+    pub(crate) area: f64,
+}
+
+impl Laplacian {
+    pub(crate) fn new(mesh: &Mesh, pattern: &Pattern) -> Self {
+        let mut matrix = SymmetricMatrix::zeros(pattern);
+        let mut area = 0.0;
+        for cell in 0..mesh.num_cells() {
+            let (entries, cell_area) = cell_laplacian(mesh, cell);
+            matrix.add_cell(pattern, cell, &entries);
+            area += cell_area;
+        }
+        Self { matrix, area }
+    }
+}
+
+fn cell_laplacian(mesh: &Mesh, cell: usize) -> (Vec<f64>, f64) {
+    let cell_type = mesh.cell(cell).cell_type;
+    let nodes = mesh.cell_points(cell);
+    let subdivision = Subdivision::uniform(cell_type, PARTS);
+    let size = nodes.len() * COMPONENTS;
+    let mut entries = vec![0.0; size * size];
+    let mut area = 0.0;
+    for at in subdivision.all_points() {
+        let j = jacobian(cell_type, &nodes, at);
+        let g = shape_gradients(cell_type, at);
+        // Metric of the surface: grad N_a . grad N_b = dN_a^T (J^T J)^-1 dN_b.
+        let dot = |p: usize, q: usize| j.iter().map(|row| row[p] * row[q]).sum::<f64>();
+        let (xx, xy, yy) = (dot(0, 0), dot(0, 1), dot(1, 1));
+        let det = xx * yy - xy * xy;
+        let weight = subdivision.part_area() * det.sqrt();
+        area += weight;
+        for a in 0..nodes.len() {
+            for b in 0..nodes.len() {
+                let product =
+                    yy * g[a][0] * g[b][0] - xy * (g[a][0] * g[b][1] + g[a][1] * g[b][0]) + xx * g[a][1] * g[b][1];
+                for c in 0..COMPONENTS {
+                    entries[(a * COMPONENTS + c) * size + b * COMPONENTS + c] += weight * product / det;
+                }
+            }
+        }
+    }
+    (entries, area)
+}
+
+/// Factor of the Laplacian that weighs as much as the image for a displacement of this wavelength, in pixels.
+///
+/// A wave of wavelength `T` has a squared gradient of `(2 pi / T)^2` times its square; the Hessian gives that square the
+/// weight `trace(M) / (COMPONENTS area)` on average.
+pub(crate) fn penalty_factor(system: &System, camera: &dyn Camera, hessian_trace: f64, wavelength: f64) -> f64 {
+    let points = system.mesh.points();
+    let scale = points.iter().map(|&point| pixels_per_unit(camera, point)).sum::<f64>() / points.len() as f64;
+    let length = wavelength / scale;
+    let weight = hessian_trace / (COMPONENTS as f64 * system.laplacian().area);
+    weight * (length / std::f64::consts::TAU).powi(2)
+}
+
+fn pixels_per_unit(camera: &dyn Camera, point: [f64; 3]) -> f64 {
+    let (_, [[a, b, _], [c, d, _]]) = camera.project_with_jacobian(point);
+    (a * d - b * c).abs().sqrt()
+}

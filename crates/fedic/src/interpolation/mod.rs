@@ -1,0 +1,2 @@
+pub(crate) mod cell_prefetch;
+pub(crate) mod image_sampler;

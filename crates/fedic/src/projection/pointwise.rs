@@ -1,0 +1,123 @@
+//! The quadrature points of a cell, a batch at a time: reference coordinates, shape functions, positions and pixels.
+//!
+//! Every stage fills arrays by component, so that the next one runs over contiguous numbers.
+
+use fedic_camera::Camera;
+use fedic_mesh::{CellType, MAX_NODES, shape_values_batch};
+
+use crate::Sampler;
+use crate::quadrature::cell_quadrature::CellQuadrature;
+
+/// Points per batch.
+pub(crate) const BATCH: usize = 64;
+/// Arrays are filled up to a multiple of this many points.
+const LANES: usize = 4;
+
+/// One number per point of a batch.
+pub(crate) type Lane = [f64; BATCH];
+
+/// Work arrays of one thread.
+pub(crate) struct Batch {
+    len: usize,
+    padded: usize,
+    pub(crate) xi: Lane,
+    pub(crate) eta: Lane,
+    shape: [f64; MAX_NODES * BATCH],
+    position: [Lane; 3],
+    pub(crate) pixel: [Lane; 2],
+    jacobian: [[Lane; 3]; 2],
+}
+
+impl Batch {
+    pub(crate) fn new() -> Box<Self> {
+        Box::new(Self {
+            len: 0,
+            padded: 0,
+            xi: [0.0; BATCH],
+            eta: [0.0; BATCH],
+            shape: [0.0; MAX_NODES * BATCH],
+            position: [[0.0; BATCH]; 3],
+            pixel: [[0.0; BATCH]; 2],
+            jacobian: [[[0.0; BATCH]; 3]; 2],
+        })
+    }
+
+    /// Takes the `len` points of a cell from its point `first` on, and their shape functions.
+    pub(crate) fn take(
+        &mut self,
+        quadrature: &CellQuadrature,
+        cell: usize,
+        cell_type: CellType,
+        first: usize,
+        len: usize,
+    ) {
+        self.len = len;
+        self.padded = len.next_multiple_of(LANES);
+        let n = self.padded;
+        quadrature.coordinates(cell, first, &mut self.xi[..n], &mut self.eta[..n]);
+        shape_values_batch(cell_type, &self.xi[..n], &self.eta[..n], &mut self.shape);
+    }
+
+    /// Interpolates the nodes' positions.
+    fn locate(&mut self, nodes: &[[f64; 3]]) {
+        let n = self.padded;
+        for d in 0..3 {
+            let position = &mut self.position[d][..n];
+            position.fill(0.0);
+            for (a, node) in nodes.iter().enumerate() {
+                let shape = &self.shape[a * n..(a + 1) * n];
+                for k in 0..n {
+                    position[k] += shape[k] * node[d];
+                }
+            }
+        }
+    }
+
+    /// Projects the points of a cell with these nodes into the image.
+    pub(crate) fn project(&mut self, camera: &dyn Camera, nodes: &[[f64; 3]]) {
+        self.locate(nodes);
+        let n = self.padded;
+        let [x, y, z] = &self.position;
+        let [u, v] = &mut self.pixel;
+        camera.project_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n]);
+    }
+
+    /// Projects the points of a cell with these nodes into the image, with the camera's Jacobian.
+    pub(crate) fn project_with_jacobian(&mut self, camera: &dyn Camera, nodes: &[[f64; 3]]) {
+        if let Some(constant) = camera.constant_jacobian() {
+            for (row, values) in self.jacobian.iter_mut().zip(constant) {
+                for (entry, value) in row.iter_mut().zip(values) {
+                    entry[..self.padded].fill(value);
+                }
+            }
+            self.project(camera, nodes);
+            return;
+        }
+        self.locate(nodes);
+        let n = self.padded;
+        let [x, y, z] = &self.position;
+        let [u, v] = &mut self.pixel;
+        let mut jacobian = self.jacobian.each_mut().map(|row| row.each_mut().map(|entry| &mut entry[..n]));
+        camera.project_with_jacobian_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n], &mut jacobian);
+    }
+
+    /// Reads an image at the projected points: grey levels and gradients, NaN outside the image.
+    pub(crate) fn read(&self, image: &Sampler, value: &mut [f32], gradient: [&mut [f32]; 2]) {
+        let [u, v] = &self.pixel;
+        image.values_and_gradients(&u[..self.len], &v[..self.len], value, gradient);
+    }
+
+    /// Area in pixels, per area of the reference domain, of a cell whose map has the Jacobian `tangents` at point `k`.
+    pub(crate) fn pixel_element(&self, k: usize, tangents: &[[f64; 2]; 3]) -> f64 {
+        let [[a, b], [c, d]] = self.jacobian.each_ref().map(|row| {
+            [0, 1].map(|t| row.iter().zip(tangents).map(|(entry, tangent)| entry[k] * tangent[t]).sum::<f64>())
+        });
+        (a * d - b * c).abs()
+    }
+
+    /// Component `c` of `q = J_P^T grad f` at point `k`.
+    #[inline]
+    pub(crate) fn pull_back(&self, c: usize, k: usize, gradient: [f32; 2]) -> f64 {
+        self.jacobian[0][c][k] * f64::from(gradient[0]) + self.jacobian[1][c][k] * f64::from(gradient[1])
+    }
+}

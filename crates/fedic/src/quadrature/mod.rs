@@ -1,0 +1,2 @@
+pub(crate) mod cell_quadrature;
+pub(crate) mod shape_table;
