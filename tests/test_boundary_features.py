@@ -7,7 +7,7 @@ import pytest
 from plate_scenes import CENTRE, LENGTH, RADIUS, WIDTH, plate_mesh
 
 import fedic
-from fedic.registration.sampling import sample_feature
+from fedic.registration._sampling import sample_feature
 
 UNIT = fedic.FrontParallel(10.0)
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
-from fedic.config import load_config
+from fedic.campaign.config import load_config
 
 VECTOR = np.array([3.0, 0.2, -0.1])
 LENS = fedic.BrownDistortion((-0.1, 0.2, 0.05), (1e-3, -5e-4), (8e-4, -6e-4))

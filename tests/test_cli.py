@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 import fedic
+import fedic.campaign.series
 import fedic.demo
-import fedic.run
+from fedic._internal.progress import TerminalProgress
 from fedic.cli import app
-from fedic.progress import TerminalProgress
 
 RUNNER = CliRunner()
 
@@ -68,7 +68,7 @@ def test_run_maps_large_images(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
         image = cv2.imread(str(folder / f"{stem}.png"), cv2.IMREAD_UNCHANGED)
         assert cv2.imwrite(str(folder / f"{stem}.tif"), image, [cv2.IMWRITE_TIFF_COMPRESSION, 1])
     (folder / "test.toml").write_text(CONFIG.replace(".png", ".tif") + "pictures = false\n")
-    monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
+    monkeypatch.setattr("fedic.io.images._MAPPED_BYTES", 1)
     held = []
     correlate = fedic.Correlator.correlate
 
@@ -163,7 +163,7 @@ def test_demo_finds_the_bias_of_the_lens(demo_folder: Path) -> None:
 def test_progress_is_silent_when_stderr_is_no_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("fedic.progress._PATIENCE_SECONDS", 0.0)
+    monkeypatch.setattr("fedic._internal.progress._PATIENCE_SECONDS", 0.0)
     with TerminalProgress("frame") as progress:
         progress.iteration("solve", 1, 2, 0.1, 3.0)
         time.sleep(0.2)
@@ -175,7 +175,7 @@ def test_progress_is_silent_when_stderr_is_no_terminal(
 def test_progress_appears_on_a_terminal_when_work_lasts(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], patience: float, shown: bool
 ) -> None:
-    monkeypatch.setattr("fedic.progress._PATIENCE_SECONDS", patience)
+    monkeypatch.setattr("fedic._internal.progress._PATIENCE_SECONDS", patience)
     monkeypatch.setenv("FORCE_COLOR", "1")
     with TerminalProgress("frame") as progress:
         time.sleep(0.3)

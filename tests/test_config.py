@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.config import Config, load_config
+from fedic.campaign.config import Config, load_config
 
 VALID = """\
 [images]

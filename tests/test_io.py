@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 import fedic
-from fedic.images import let_go, own_image
+from fedic.io.images import let_go, own_image
 
 RNG = np.random.default_rng(0)
 GREY8 = RNG.integers(0, 256, (40, 50), dtype=np.uint8)
@@ -54,7 +54,7 @@ def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: 
     paths = [tmp_path / "reference.tif", tmp_path / "deformed.tif"]
     for path, image in zip(paths, images, strict=True):
         tifffile.imwrite(path, image)
-    monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
+    monkeypatch.setattr("fedic.io.images._MAPPED_BYTES", 1)
     mapped = [fedic.read_image(path, mapped=True) for path in paths]
     mesh = fedic.rectangle_mesh((20, 20, 120, 100), 20)
     for image, stored in zip(mapped, images, strict=True):
@@ -70,7 +70,7 @@ def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: 
 def test_an_image_read_belongs_to_the_caller_and_a_mapped_one_to_nobody(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
-    monkeypatch.setattr("fedic.images._MAPPED_BYTES", 1)
+    monkeypatch.setattr("fedic.io.images._MAPPED_BYTES", 1)
     path = tmp_path / f"grey{suffix}"
     if suffix == ".big.tif":
         tifffile.imwrite(path, GREY16, byteorder=">")

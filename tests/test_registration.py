@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 import fedic
 from fedic.calibration import parse_target
 from fedic.cli import app
-from fedic.registration import steps
-from fedic.registration.pose import move, pose_jacobian
+from fedic.registration import _steps as steps
+from fedic.registration._pose import move, pose_jacobian
 
 SHAPE = (400, 600)
 LENS = fedic.BrownDistortion((-0.15, 0.05, 0.0), (1e-3, -5e-4))
@@ -319,7 +319,7 @@ class TestTarget:
     def test_is_not_searched_where_something_is_malformed(
         self, options: dict[str, Any], monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("fedic.registration.target.find_target", lambda *_: pytest.fail("the search was begun"))
+        monkeypatch.setattr("fedic.registration._target.find_target", lambda *_: pytest.fail("the search was begun"))
         given: dict[str, Any] = {"target": BOARD, "target_origin": (8.0, 8.0), **options}
         with pytest.raises(fedic.CameraError):
             fedic.register(MESH, BLANK, PINHOLE, **given)

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from plate_scenes import LENGTH, Plate, plate_mesh, wrong
 
 import fedic
-from fedic.registration import edges, search
-from fedic.registration.sampling import sample_feature
-from fedic.registration.space import in_space
+from fedic.registration import _edges as edges
+from fedic.registration import _search as search
+from fedic.registration._sampling import sample_feature
+from fedic.registration._space import in_space
 
 MESH = plate_mesh()
 FEATURES = ["hole 0", "left", "right", "bottom", "top"]

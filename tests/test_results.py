@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
-from fedic.fft_start import uniform_start
+from fedic.starts.fft import uniform_start
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 MOTION = (1.3, -0.6)

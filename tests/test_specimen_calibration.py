@@ -18,7 +18,7 @@ from fedic.experiments.lens import HEIGHT, MILLIMETRES, PRINCIPAL_POINT, RADIAL,
 from fedic.experiments.lens_errors import measure
 from fedic.experiments.settings import DEFAULT
 from fedic.experiments.subjects import LEVELS, SPECKLE
-from fedic.fft_start import translation_start
+from fedic.starts.fft import translation_start
 
 SHAPE = (180, 240)
 FOCAL, K1, CENTRE = 600.0, -0.2, (125.0, 86.0)

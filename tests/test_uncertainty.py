@@ -169,7 +169,9 @@ def test_the_deviation_has_the_unit_of_the_mesh(quadrature: object) -> None:
 
 def test_smoothing_lowers_the_deviation() -> None:
     image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
-    free, smooth = (fedic.Correlator(image, mesh, regularization_length=r).standard_deviations(1.0) for r in (None, 80.0))
+    free, smooth = (
+        fedic.Correlator(image, mesh, regularization_length=length).standard_deviations(1.0) for length in (None, 80.0)
+    )
     assert (smooth < free).all()
 
 

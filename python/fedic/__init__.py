@@ -28,17 +28,17 @@ from fedic._core import (
 )
 from fedic.correlation import Correlator, correlate
 from fedic.errors import CalibrationWarning, CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
-from fedic.gmsh_meshing import unstructured_mesh
-from fedic.images import read_image
-from fedic.meshes import read_mesh
+from fedic.io.images import read_image
+from fedic.io.meshes import read_mesh
+from fedic.meshing import unstructured_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.result import Iteration, Result
 
 if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
-    from fedic.camera_files import read_camera, write_camera
+    from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
+    from fedic.cameras.files import read_camera, write_camera
     from fedic.registration import Registration, boundary_features, register
-    from fedic.specimen_calibration import SpecimenCalibration, calibrate_on_specimen
 
 __all__ = [
     "BrownDistortion",
@@ -81,13 +81,13 @@ __all__ = [
 _WHEN_ASKED_FOR = {
     "Calibration": "calibration",
     "calibrate": "calibration",
-    "read_camera": "camera_files",
-    "write_camera": "camera_files",
+    "read_camera": "cameras.files",
+    "write_camera": "cameras.files",
     "Registration": "registration",
     "boundary_features": "registration",
     "register": "registration",
-    "SpecimenCalibration": "specimen_calibration",
-    "calibrate_on_specimen": "specimen_calibration",
+    "SpecimenCalibration": "calibration.specimen",
+    "calibrate_on_specimen": "calibration.specimen",
 }
 """Names and the modules they are in: a measurement does not need them, and starts sooner without."""
 

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fedic._core import __version__
+from fedic._internal.progress import TerminalProgress
 from fedic.errors import CameraError, FedicError
-from fedic.progress import TerminalProgress
 
 if TYPE_CHECKING:
     from fedic.calibration import Calibration
+    from fedic.campaign.series import Frame
     from fedic.demo import Demo
     from fedic.experiments import Outcome
     from fedic.registration import Registration
-    from fedic.run import Frame
 
 __all__ = ["app"]
 
@@ -45,7 +45,7 @@ def _faults_reported() -> Iterator[None]:
 
 def _check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bool) -> None:
     """Check, before any long work, that a picture replaces no file that is to be kept."""
-    from fedic.calibration.picture import check_picture
+    from fedic.plotting.calibration import check_picture
 
     if picture is None:
         return
@@ -80,8 +80,8 @@ def run_command(
 ) -> None:
     """Measure a series of images as a configuration file says."""
     with _faults_reported():
-        from fedic.config import load_config
-        from fedic.run import run
+        from fedic.campaign.config import load_config
+        from fedic.campaign.series import run
 
         settings = load_config(config)
         with TerminalProgress(config.name) as progress:
@@ -124,8 +124,8 @@ def calibrate_command(
     """Calibrate a camera from images of a flat target."""
     with _faults_reported():
         from fedic.calibration import calibrate
-        from fedic.calibration.lens import parse_lens
-        from fedic.camera_files import check_writable
+        from fedic.calibration.lenses import parse_lens
+        from fedic.cameras.files import check_writable
 
         check_writable(output, overwrite=overwrite)
         if isinstance(parse_lens(distortion), str) and output.suffix.lower() != ".toml":
@@ -179,11 +179,11 @@ def register_command(
 ) -> None:
     """Place a mesh in an image by its edges, by points, or by a target on the specimen."""
     with _faults_reported():
-        from fedic.camera_files import check_writable, read_camera
-        from fedic.images import read_image
-        from fedic.meshes import read_mesh
+        from fedic.cameras.files import check_writable, read_camera
+        from fedic.io.images import read_image
+        from fedic.io.meshes import read_mesh
         from fedic.registration import read_pairs, register
-        from fedic.registration.result import check_format
+        from fedic.registration._result import check_format
 
         check_writable(output, overwrite=overwrite)
         _check_picture(picture, [image], overwrite=overwrite)
@@ -216,7 +216,7 @@ def demo_command(
     """Measure a large shift through a distorting lens, with and without its model."""
     with _faults_reported():
         from fedic.demo import measure, write_demo
-        from fedic.files import make_folder
+        from fedic.io.atomic import make_folder
 
         make_folder(output)
         with TerminalProgress("demo") as progress:
@@ -250,8 +250,8 @@ def experiment_command(
         import time
 
         from fedic.experiments import EXPERIMENTS, Request, run_experiment, write_outcome, write_report
-        from fedic.files import make_folder
-        from fedic.images import read_image
+        from fedic.io.atomic import make_folder
+        from fedic.io.images import read_image
 
         real = None if image is None else read_image(image)
         pair = None if star is None else (read_image(star[0]), read_image(star[1]))

@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fedic import _core
 from fedic._core import ImageFrame, Mesh
-from fedic._types import Camera, Floats, Image, Progress
+from fedic._internal.types import Camera, Floats, Image, Progress
 from fedic.errors import CalibrationWarning, SolveError
-from fedic.fft_start import uniform_start
-from fedic.images import as_pair, let_go, own_image
+from fedic.io.images import as_pair, let_go, own_image
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 from fedic.result import Iteration, Result
+from fedic.starts.fft import uniform_start
 
 __all__ = ["Correlator", "correlate"]
 

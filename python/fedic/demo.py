@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from fedic._core import __version__, rectangle_mesh
-from fedic._types import Image, Progress
+from fedic._internal.types import Image, Progress
 from fedic.experiments.lens import Scene
 from fedic.experiments.lens_errors import Measurement
 from fedic.experiments.lens_errors import measure as measure_pair
 from fedic.experiments.lens_maps import draw_error_maps
 from fedic.experiments.settings import DEFAULT
-from fedic.files import write_json
-from fedic.plot import save_figure
+from fedic.io.atomic import write_json
+from fedic.plotting.fields import save_figure
 
 __all__ = ["Demo", "Measurement", "measure", "write_demo"]
 

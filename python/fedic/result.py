@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic._core import Mesh
-from fedic._types import Camera, Floats, StrPath
+from fedic._internal.types import Camera, Floats, StrPath
 
 __all__ = ["Iteration", "Result"]
 
@@ -134,6 +134,6 @@ class Result:
         FedicError
             If the suffix is unknown or the file cannot be written.
         """
-        from fedic.result_files import write_result
+        from fedic.io.results import write_result
 
         return write_result(self, Path(path))

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import Speckle, aperture_points
-from fedic._types import Camera, Floats, Image
+from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
-from fedic.images import as_image
+from fedic.io.images import as_image
 
 __all__ = ["Speckle", "add_noise", "fourier_shift", "render"]
 

@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from fedic._types import Floats
+from fedic._internal.types import Floats
 from fedic.errors import CameraError
 
 __all__ = ["Target", "parse_target"]

@@ -4,7 +4,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from fedic._types import CellName, Image
+from fedic._internal.types import CellName, Image
 from fedic.correlation import Correlator
 from fedic.errors import SolveError
 from fedic.experiments.convergence_claims import claims_of

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from fedic._core import BrownDistortion, Mesh
-from fedic._types import CellName, Floats
+from fedic._internal.types import CellName, Floats
 from fedic.experiments.lens import FOCAL, MILLIMETRES, RADIAL, Pair, Scene
 from fedic.experiments.lens_errors import Measurement, measure, rounding_bound, sum_up
 from fedic.experiments.outcome import Claim, Outcome, Request, Row

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fedic._types import CellName
+from fedic._internal.types import CellName
 from fedic.experiments.lens import Scene, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
 from fedic.experiments.outcome import Claim, Outcome, Request, Row

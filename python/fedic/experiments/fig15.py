@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fedic._core import Mesh
-from fedic._types import CellName
+from fedic._internal.types import CellName
 from fedic.correlation import Correlator
 from fedic.experiments.lens import Pair, Scene, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound

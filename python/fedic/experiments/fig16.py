@@ -3,7 +3,7 @@
 import numpy as np
 
 from fedic._core import Mesh
-from fedic._types import CellName, Floats
+from fedic._internal.types import CellName, Floats
 from fedic.experiments.lens import Pair, Scene, textures
 from fedic.experiments.lens_errors import Measurement, measure, rounding_bound, sum_up
 from fedic.experiments.lens_maps import draw_error_maps

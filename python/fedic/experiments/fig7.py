@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fedic._types import CellName
+from fedic._internal.types import CellName
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, PAPER_SPLINES, UNFILTERED, Setting
 from fedic.experiments.style import COLOURS, MARKERS

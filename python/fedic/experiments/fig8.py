@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from fedic._types import CellName, Floats
+from fedic._internal.types import CellName, Floats
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, UNFILTERED, Setting
 from fedic.experiments.style import MARKERS

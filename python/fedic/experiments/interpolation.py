@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
-from fedic._types import Floats
+from fedic._internal.types import Floats
 from fedic.correlation import Correlator
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
 from fedic.experiments.settings import Setting

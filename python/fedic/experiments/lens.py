@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import BrownDistortion, Mesh, Pinhole
-from fedic._types import CellName, Distortion, Floats
+from fedic._internal.types import CellName, Distortion, Floats
 from fedic.experiments.subjects import LEVELS, SPECKLE, Window, window_mesh
 from fedic.synthetic import Speckle, render
 

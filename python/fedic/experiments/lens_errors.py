@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fedic._core import ImageFrame, Mesh
-from fedic._types import Floats, Progress
+from fedic._internal.types import Floats, Progress
 from fedic.correlation import Correlator, Initial, correlate
 from fedic.errors import SolveError
 from fedic.experiments.lens import MILLIMETRES, ROUNDING, Pair, Scene

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from fedic._core import Mesh
-from fedic._types import Floats
+from fedic._internal.types import Floats
 from fedic.experiments.lens_errors import Measurement
-from fedic.plot import draw_nodal_field
+from fedic.plotting.fields import draw_nodal_field
 
 __all__ = ["draw_error_maps"]
 

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._types import Floats
+from fedic._internal.types import Floats
 from fedic.experiments.outcome import Row
 from fedic.experiments.star import AMPLITUDE, Star, period_at
 from fedic.result import Result

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
-from fedic._types import CellName, Floats, Image
+from fedic._internal.types import CellName, Floats, Image
 from fedic.experiments.outcome import Request
 from fedic.experiments.subjects import LEVELS, SPECKLE, subjects
 from fedic.synthetic import Speckle, render

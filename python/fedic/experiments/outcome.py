@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 from matplotlib.figure import Figure
 
 from fedic._core import __version__
-from fedic._types import Image
-from fedic.files import replacing, write_json
-from fedic.plot import save_figure
+from fedic._internal.types import Image
+from fedic.io.atomic import replacing, write_json
+from fedic.plotting.fields import save_figure
 
 __all__ = ["Claim", "Outcome", "Progressed", "Request", "Row", "write_outcome"]
 

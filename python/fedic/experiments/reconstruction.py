@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._types import Floats
+from fedic._internal.types import Floats
 from fedic.errors import SolveError
 from fedic.experiments.merit import Field
 from fedic.result import Result

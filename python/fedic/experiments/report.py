@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from fedic.experiments.catalogue import EXPERIMENTS
-from fedic.files import replacing
+from fedic.io.atomic import replacing
 
 __all__ = ["write_report"]
 

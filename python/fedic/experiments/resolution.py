@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._types import CellName, Floats
+from fedic._internal.types import CellName, Floats
 from fedic.correlation import correlate
 from fedic.experiments.merit import Field, Measured, field_of, measure_merit
 from fedic.experiments.outcome import Outcome, Request

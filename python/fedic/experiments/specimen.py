@@ -7,14 +7,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fedic._core import BrownDistortion, Mesh, Pinhole, rectangle_mesh
-from fedic._types import Floats, Image
+from fedic._internal.types import Floats, Image
+from fedic.calibration.specimen import calibrate_on_specimen
 from fedic.correlation import correlate
 from fedic.experiments.lens import HEIGHT, MILLIMETRES, PRINCIPAL_POINT, RADIAL, WIDTH, Pair, Scene
 from fedic.experiments.lens_errors import measure
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT
 from fedic.experiments.subjects import LEVELS, SPECKLE
-from fedic.specimen_calibration import calibrate_on_specimen
 from fedic.synthetic import Speckle, add_noise, render
 
 __all__ = ["run"]

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fedic._core import BrownDistortion, InverseSplineDistortion, Mesh, Pinhole, SplineDistortion
-from fedic._types import Floats
+from fedic._internal.types import Floats
 from fedic.calibration import Calibration, calibrate_points
+from fedic.cameras.poses import posed
 from fedic.correlation import correlate
 from fedic.experiments.lens import (
     FOCAL,
@@ -22,7 +23,6 @@ from fedic.experiments.lens import (
 )
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT
-from fedic.poses import posed
 from fedic.registration import register
 
 __all__ = ["run"]

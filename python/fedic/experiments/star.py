@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
-from fedic._types import CellName, Floats, Image
+from fedic._internal.types import CellName, Floats, Image
 from fedic.errors import ImageError
 from fedic.synthetic import Speckle, render
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import ImageFrame, Mesh
-from fedic._types import CellName, Image
+from fedic._internal.types import CellName, Image
 from fedic.errors import ImageError
 from fedic.experiments.outcome import Request
-from fedic.gmsh_meshing import unstructured_mesh
+from fedic.meshing import unstructured_mesh
 from fedic.synthetic import Speckle, fourier_shift, render
 
 __all__ = ["LEVELS", "SIZES", "SPECKLE", "Subject", "pixel_mesh", "subjects", "window_mesh"]

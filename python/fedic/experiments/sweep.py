@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fedic._core import Mesh
-from fedic._types import Floats, Image
+from fedic._internal.types import Floats, Image
 from fedic.correlation import Correlator
 from fedic.errors import SolveError
 from fedic.experiments.outcome import Row

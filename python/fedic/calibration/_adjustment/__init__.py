@@ -1,0 +1,1 @@
+"""Bundle adjustment: the least-squares fit of lens and poses to the points of a target."""

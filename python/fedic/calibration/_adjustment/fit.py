@@ -1,0 +1,215 @@
+"""The fit of a camera to the points found in several views, with the views and points that do not belong left out.
+
+A first fit to all the points is judged by the noise ``s`` of a point, robustly: the median distance between seen and
+projected points over 1.177, the median of a Rayleigh distribution of deviation one; but at least 0.02 px, since smaller
+differences are the detection's own. If some point is further than ``6 s``, which Gaussian noise does in 2e-8 of all
+points, the fit is repeated with Cauchy weights, which such points hardly move, and judged again: a view whose own noise
+is over ``3 s``, or with more than a fifth of its points beyond ``6 s``, is rejected; single points beyond are left out.
+The last fit is plain least squares on what is kept.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._internal.types import Floats
+from fedic.calibration._adjustment.bundle import Bundle, Estimate, Observation
+from fedic.calibration._adjustment.start import pose_of, start
+from fedic.calibration.lenses import Lens
+from fedic.errors import CameraError
+
+__all__ = ["Fit", "cauchy_weights", "fit"]
+
+_MEDIAN_OF_RAYLEIGH = float(np.sqrt(2.0 * np.log(2.0)))
+_FAR_POINT = 6.0
+_NOISY_VIEW = 3.0
+_SPOILT_VIEW = 0.2
+_CAUCHY = 2.385
+_SMALLEST_NOISE = 0.02
+_ROUNDS = 30
+_MAX_ITERATIONS = 500
+_FEWEST_VIEWS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What a fit found.
+
+    Attributes
+    ----------
+    lens : Lens
+        What was fitted.
+    estimate : Estimate
+        Of all the views; the poses of those rejected are the best for the camera that the others gave.
+    covariance : ndarray, shape (p + 6 n, p + 6 n)
+        Of the intrinsic parameters, then for each accepted view of a rotation about the camera's axes (radians) and of
+        the translation.
+    accepted : list of int
+        The views kept.
+    reasons : dict of int to str
+        Why the others were not.
+    used : list of ndarray of bool
+        The points kept, for each view.
+    initial_errors, final_errors : ndarray, shape (number of views,)
+        Root mean square distance of the points in pixels, before the fit and after it.
+    residuals : list of ndarray, shape (n, 2)
+        Seen minus projected, for each view.
+    """
+
+    lens: Lens
+    estimate: Estimate
+    covariance: Floats
+    accepted: list[int]
+    reasons: dict[int, str]
+    used: list[NDArray[np.bool_]]
+    initial_errors: Floats
+    final_errors: Floats
+    residuals: list[Floats]
+
+
+def fit(
+    lens: Lens, observations: list[Observation], image_size: tuple[int, int], estimate: Estimate | None = None
+) -> Fit:
+    """Fit a camera.
+
+    Parameters
+    ----------
+    lens : Lens
+        Its model.
+    observations : list of Observation
+        One per view.
+    image_size : (int, int)
+        Width and height in pixels.
+    estimate : Estimate, optional
+        Where to start; if not given, at `fedic.calibration._adjustment.start.start`.
+
+    Returns
+    -------
+    Fit
+        The minimum.
+
+    Raises
+    ------
+    CameraError
+        If fewer than two views remain, they do not determine the parameters, or the fit does not converge.
+    """
+    _check_count(len(observations), "seen", {})
+    estimate = estimate or start(lens, observations, image_size)
+    every = Bundle(lens, observations)
+    initial_errors = _rms(every.residuals(estimate))
+    estimate, _ = every.minimise(estimate, _MAX_ITERATIONS)
+    lengths = _lengths(every.residuals(estimate))
+    if any((length > _FAR_POINT * _noise(lengths)).any() for length in lengths):
+        estimate = _robust(lens, observations, estimate)
+
+    accepted, reasons = list(range(len(observations))), dict[int, str]()
+    used = [np.ones(len(each.points), dtype=bool) for each in observations]
+    for _ in range(_ROUNDS):
+        before = [mask.copy() for mask in used], len(accepted)
+        lengths = _lengths(every.residuals(estimate))
+        noise = _noise([lengths[view] for view in accepted])
+        for view in list(accepted):
+            used[view] = lengths[view] <= _FAR_POINT * noise
+            if reason := _fault(lengths[view], used[view], noise):
+                accepted.remove(view)
+                reasons[view] = reason
+        _check_count(len(accepted), "left", reasons)
+        estimate = _refitted(lens, observations, estimate, accepted, used)
+        if len(accepted) == before[1] and all(map(np.array_equal, used, before[0])):
+            break
+
+    weights = [used[view].astype(np.float64) for view in accepted]
+    bundle = Bundle(lens, [observations[view] for view in accepted], weights)
+    residuals = every.residuals(estimate)
+    final = [
+        residual[mask] if view in accepted else residual
+        for view, (residual, mask) in enumerate(zip(residuals, used, strict=True))
+    ]
+    covariance = bundle.covariance(estimate.of(accepted))
+    return Fit(lens, estimate, covariance, accepted, reasons, used, initial_errors, _rms(final), residuals)
+
+
+def _refitted(
+    lens: Lens,
+    observations: list[Observation],
+    estimate: Estimate,
+    accepted: list[int],
+    used: list[NDArray[np.bool_]],
+) -> Estimate:
+    """Return the least-squares fit to what is kept; the other views' poses follow the new camera."""
+    weights = [used[view].astype(np.float64) for view in accepted]
+    bundle = Bundle(lens, [observations[view] for view in accepted], weights)
+    kept, converged = bundle.minimise(estimate.of(accepted), _MAX_ITERATIONS)
+    if not converged:
+        raise CameraError(
+            f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views leave some parameter open, or the "
+            "points found are not those of one flat target."
+        )
+    rotations, translations = estimate.rotations.copy(), estimate.translations.copy()
+    rotations[accepted], translations[accepted] = kept.rotations, kept.translations
+    for view in set(range(len(observations))) - set(accepted):
+        rotations[view], translations[view] = pose_of(observations[view], lens, kept.intrinsics)
+    return Estimate(kept.intrinsics, rotations, translations)
+
+
+def _robust(lens: Lens, observations: list[Observation], estimate: Estimate) -> Estimate:
+    """Return the fit with Cauchy weights, from the least-squares fit."""
+    previous = np.inf
+    for _ in range(_ROUNDS):
+        residuals = Bundle(lens, observations).residuals(estimate)
+        noise = _noise(_lengths(residuals))
+        if abs(noise - previous) <= 1e-3 * noise:
+            break
+        previous = noise
+        estimate, _ = Bundle(lens, observations, cauchy_weights(residuals)).minimise(estimate, 10)
+    return estimate
+
+
+def cauchy_weights(residuals: list[Floats]) -> list[Floats]:
+    """Return weights (n,) of the points of each view by their residuals (n, 2): small for those that are far off."""
+    lengths = _lengths(residuals)
+    reach = _CAUCHY * _noise(lengths)
+    return [1.0 / (1.0 + (length / reach) ** 2) for length in lengths]
+
+
+def _fault(lengths: Floats, used: NDArray[np.bool_], noise: float) -> str:
+    """Say why a view is to be rejected; empty if it is not."""
+    own = _noise([lengths])
+    if own > _NOISY_VIEW * noise:
+        return (
+            f"its points are {own:.2g} px off, more than {_NOISY_VIEW:g} times the {noise:.2g} px of all views: "
+            "blurred, moved, or read wrongly"
+        )
+    if (~used).sum() > _SPOILT_VIEW * len(used):
+        return (
+            f"{(~used).sum()} of its {len(used)} points are more than {_FAR_POINT * noise:.2g} px off "
+            f"({_FAR_POINT:g} times the noise of all views)"
+        )
+    return ""
+
+
+def _check_count(count: int, state: str, reasons: dict[int, str]) -> None:
+    if count >= _FEWEST_VIEWS:
+        return
+    causes = "".join(f"\n  {reason}" for reason in sorted(set(reasons.values())))
+    raise CameraError(
+        f"The target was {state} in {count} view{'s' * (count != 1)}, and the camera needs at least {_FEWEST_VIEWS}, "
+        f"better 10 to 20, from different directions.{causes}"
+        if state == "seen"
+        else f"{count} of the views fit together, and the camera needs at least {_FEWEST_VIEWS}; the others:{causes}"
+    )
+
+
+def _lengths(residuals: list[Floats]) -> list[Floats]:
+    """Return the distances in pixels; a point that cannot be projected is infinitely far."""
+    distances = [np.linalg.norm(residual, axis=1) for residual in residuals]
+    return [np.where(np.isfinite(distance), distance, np.inf) for distance in distances]
+
+
+def _noise(lengths: list[Floats]) -> float:
+    return max(float(np.median(np.concatenate(lengths))) / _MEDIAN_OF_RAYLEIGH, _SMALLEST_NOISE)
+
+
+def _rms(residuals: list[Floats]) -> Floats:
+    return np.array([np.sqrt((residual**2).sum(axis=1).mean()) for residual in residuals])

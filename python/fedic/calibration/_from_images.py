@@ -1,0 +1,131 @@
+"""`calibrate`: from images of a target to a camera."""
+
+import glob
+from collections import Counter
+from collections.abc import Callable, Sequence
+from os import PathLike, fspath
+from typing import TypeAlias
+
+from fedic._internal.types import Image, StrPath
+from fedic.calibration._adjustment.bundle import Observation
+from fedic.calibration._from_points import assembled, explained_fit
+from fedic.calibration._result import Calibration
+from fedic.calibration.detection import NotFoundError, find_target, refined
+from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
+from fedic.calibration.target import Target, parse_target
+from fedic.errors import CameraError, ImageError
+from fedic.io.images import as_image, read_image
+
+__all__ = ["calibrate"]
+
+Source: TypeAlias = StrPath | Image
+_CAUSES_SHOWN = 5
+
+
+def calibrate(
+    images: str | Sequence[Source],
+    target: str | Target,
+    distortion: str | Sequence[str] = "radial1",
+    *,
+    view: int | str | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Calibration:
+    """Calibrate a camera from images of a flat target.
+
+    The points are found, a first camera is fitted, the points are measured again in the plane of the target, free of
+    the errors of perspective and lens (`fedic.calibration.detection`), and the camera is fitted again. Views and points
+    that do not belong are left out, see `fedic.calibration._adjustment.fit` for the rule.
+
+    Parameters
+    ----------
+    images : sequence of paths or ndarrays (height, width), or a pattern such as ``"views/*.tif"``
+        Ten to twenty views with the target tilted about both axes, that reach the corners of the image.
+    target : str or Target
+        Such as ``"chessboard:11x7:8"``, see `fedic.calibration.parse_target`; its unit of length becomes the world's.
+    distortion : str or sequence of str
+        The lens model: ``"none"``, ``"radial1"``, ``"radial2"``, ``"radial3"``, ``"decentering"``, ``"prism"``,
+        ``"brown"`` (radial3 and decentering), or several such as ``"radial1+prism"``; or, of any shape, ``"spline"``
+        (`fedic.SplineDistortion`) and ``"inverse-spline"`` (`fedic.InverseSplineDistortion`).
+    view : int or str, optional
+        Whose pose the camera takes: index or name of an image; the first accepted if not given.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    Calibration
+        The camera, its uncertainty, and what became of each view.
+
+    Raises
+    ------
+    CameraError
+        If the target or distortion is misspelt, the target is found in fewer than two images, or the views do not
+        determine the camera.
+    """
+    plan = parse_target(target) if isinstance(target, str) else target
+    lens = parse_lens(distortion)
+    sources = _sources(images)
+    names = [_name(source, index) for index, source in enumerate(sources)]
+    tell = progress or (lambda _: None)
+    observations, faults, image_size = _search(sources, names, plan, tell)
+    found = [index for index in range(len(sources)) if index in observations]
+    if len(found) < 2:
+        raise CameraError(_too_few(plan, names, faults))
+    seen = [observations[index] for index in found]
+    first = explained_fit(lens if isinstance(lens, BrownLens) else BROWN, seen, image_size)
+    for place, index in enumerate(found):
+        pose = first.estimate.rotations[place], first.estimate.translations[place]
+        camera = first.lens.camera(first.estimate.intrinsics, *pose)
+        seen[place] = refined(_load(sources[index], names[index]), plan, seen[place], camera)
+        tell(0.5 + 0.5 * (place + 1) / len(found))
+    final = explained_fit(lens, seen, image_size)
+    return assembled(seen, found, names, faults, final, image_size, view)
+
+
+def _sources(images: str | Sequence[Source]) -> list[Source]:
+    if isinstance(images, str):
+        matches = sorted(glob.glob(images)) if glob.has_magic(images) else [images]  # noqa: PTH207 - any pattern
+        if not matches:
+            raise ImageError(f"{images}: no image file matches this pattern; check the folder.")
+        return list(matches)
+    return list(images)
+
+
+def _name(source: Source, index: int) -> str:
+    return fspath(source) if isinstance(source, (str, PathLike)) else f"image {index}"
+
+
+def _load(source: Source, name: str) -> Image:
+    return read_image(source) if isinstance(source, (str, PathLike)) else as_image(source, name)
+
+
+def _search(
+    sources: list[Source], names: list[str], target: Target, tell: Callable[[float], object]
+) -> tuple[dict[int, Observation], dict[int, str], tuple[int, int]]:
+    """Return what is found in which image, why it is not in the others, and the size of the images."""
+    observations, faults, sizes = dict[int, Observation](), dict[int, str](), dict[int, tuple[int, int]]()
+    for index, (source, name) in enumerate(zip(sources, names, strict=True)):
+        try:
+            image = _load(source, name)
+            sizes[index] = (image.shape[1], image.shape[0])
+            observations[index] = find_target(image, target)
+        except (ImageError, NotFoundError) as fault:
+            faults[index] = str(fault).removeprefix(f"{name}: ")
+        tell(0.5 * (index + 1) / len(sources))
+    common = Counter(sizes.values()).most_common(1)[0][0] if sizes else (0, 0)
+    for index in [index for index in observations if sizes[index] != common]:
+        del observations[index]
+        width, height = sizes[index]
+        faults[index] = f"the image is {width} x {height} px, most are {common[0]} x {common[1]}: another camera"
+    return observations, faults, common
+
+
+def _too_few(target: Target, names: list[str], faults: dict[int, str]) -> str:
+    count = len(names) - len(faults)
+    listed = list(faults.items())[:_CAUSES_SHOWN]
+    causes = "".join(f"\n  {names[index]}: {fault}" for index, fault in listed)
+    more = f"\n  ... and {len(faults) - len(listed)} more" if len(faults) > len(listed) else ""
+    return (
+        f"The target {target} was found in {count} of {len(names)} images; a calibration needs at least 2, better 10 "
+        f"to 20, from different directions.{causes}{more}"
+    )

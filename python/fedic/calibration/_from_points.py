@@ -1,0 +1,222 @@
+"""`calibrate_points`: from points already found to a calibration, with its views and its advice."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fedic.calibration._adjustment.bundle import Observation
+from fedic.calibration._adjustment.fit import Fit, fit
+from fedic.calibration._adjustment.spline_fit import fit_spline
+from fedic.calibration._adjustment.start import start
+from fedic.calibration._advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
+from fedic.calibration._result import Calibration, View
+from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
+from fedic.errors import CameraError
+
+__all__ = ["assembled", "calibrate_points", "explained_fit"]
+
+_POOREST_FOCAL = 0.1
+
+
+def calibrate_points(
+    points: Sequence[ArrayLike],
+    pixels: Sequence[ArrayLike],
+    image_size: tuple[int, int],
+    distortion: str | Sequence[str] = "radial1",
+    *,
+    view: int | str | None = None,
+) -> Calibration:
+    """Calibrate a camera from points found by other means.
+
+    Parameters
+    ----------
+    points : sequence of array_like, shape (n, 2) or (n, 3)
+        For each view the points of a flat target, with Z = 0.
+    pixels : sequence of array_like, shape (n, 2)
+        Where they are seen.
+    image_size : (int, int)
+        Width and height in pixels.
+    distortion, view
+        As for `calibrate`; the views are called ``"image 0"``, ``"image 1"``, ...
+
+    Returns
+    -------
+    Calibration
+        The camera, its uncertainty, and what became of each view.
+
+    Raises
+    ------
+    CameraError
+        If the arrays do not fit together, or the views do not determine the camera.
+    """
+    lens = parse_lens(distortion)
+    if len(points) != len(pixels):
+        raise CameraError(f"{len(points)} views have points and {len(pixels)} have pixels; give one of each per view.")
+    pairs = enumerate(zip(points, pixels, strict=True))
+    seen = [_observation(index, *pair) for index, pair in pairs]
+    names = [f"image {index}" for index in range(len(seen))]
+    found = list(range(len(seen)))
+    return assembled(seen, found, names, {}, explained_fit(lens, seen, image_size), image_size, view)
+
+
+def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observation:
+    where, at = np.asarray(points, dtype=np.float64), np.asarray(pixels, dtype=np.float64)
+    if where.ndim == 2 and where.shape[1] == 2:
+        where = np.column_stack([where, np.zeros(len(where))])
+    if where.ndim != 2 or where.shape[1] != 3 or at.shape != (len(where), 2) or len(where) < 4:
+        raise CameraError(
+            f"image {index}: points of shape {where.shape} and pixels of shape {at.shape}; give (n, 2) or (n, 3) and "
+            "(n, 2), with n at least 4."
+        )
+    if not (np.isfinite(where).all() and np.isfinite(at).all()) or np.any(where[:, 2] != 0.0):
+        raise CameraError(f"image {index}: the points must be finite, with Z = 0 on the target, and the pixels finite.")
+    return Observation(where, at)
+
+
+def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
+    """Fit a camera; where that fails, say what the directions of the views have to do with it.
+
+    Parameters
+    ----------
+    lens : BrownLens or str
+        The model, or the word of a non-parametric one.
+    seen : list of Observation
+        One per view.
+    image_size : (int, int)
+        Width and height in pixels.
+
+    Returns
+    -------
+    Fit
+        The minimum.
+
+    Raises
+    ------
+    CameraError
+        If the views do not determine the camera, or the fit does not converge.
+    """
+    try:
+        found = fit_spline(lens, seen, image_size) if isinstance(lens, str) else fit(lens, seen, image_size)
+        values, deviations = found.estimate.intrinsics[:2], np.sqrt(np.diag(found.covariance)[:2])
+        if np.any(deviations > _POOREST_FOCAL * values):
+            raise CameraError(f"The views leave the focal length open: {values[0]:.4g} ± {deviations[0]:.2g} px.")
+    except (CameraError, np.linalg.LinAlgError) as fault:
+        what = str(fault) if isinstance(fault, CameraError) else "The views do not determine the camera."
+        raise CameraError(" ".join([what, *_causes(seen, image_size)])) from None
+    return found
+
+
+def _causes(seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
+    """Say what the directions of the views, as they are thought to be before the fit, have to do with its failure."""
+    try:
+        return tilt_advice(start(BROWN, seen, image_size).rotations) if len(seen) > 1 else []
+    except CameraError:
+        return []
+
+
+def assembled(
+    seen: list[Observation],
+    found: list[int],
+    names: list[str],
+    faults: dict[int, str],
+    final: Fit,
+    image_size: tuple[int, int],
+    wanted: int | str | None,
+) -> Calibration:
+    """Put a calibration together.
+
+    Parameters
+    ----------
+    seen : list of Observation
+        What was found, in the views `found`.
+    found : list of int
+        Indices of the images in which the target was found.
+    names : list of str
+        Of all the images.
+    faults : dict of int to str
+        Why it was not found in the others.
+    final : Fit
+        The fit to `seen`.
+    image_size : (int, int)
+        Width and height in pixels.
+    wanted : int or str, optional
+        Whose pose the camera takes.
+
+    Returns
+    -------
+    Calibration
+        The whole.
+
+    Raises
+    ------
+    CameraError
+        If there is no view `wanted`.
+    """
+    places = {index: place for place, index in enumerate(found)}
+    views = tuple(
+        _seen_view(name, seen[places[index]], final, places[index])
+        if index in places
+        else _missing_view(name, faults[index])
+        for index, name in enumerate(names)
+    )
+    chosen = _chosen(views, wanted)
+    lens = final.lens
+    named = len(lens.parameters)
+    parameters = dict(zip(lens.parameters, map(float, final.estimate.intrinsics[:named]), strict=True))
+    deviations = dict(zip(lens.parameters, map(float, np.sqrt(np.diag(final.covariance)[:named])), strict=True))
+    counted = np.concatenate([view.residuals[view.used] for view in views if view.accepted])
+    error = float(np.sqrt((counted**2).sum(axis=1).mean()))
+    advice = [
+        *view_advice(len(final.accepted), error),
+        *tilt_advice(final.estimate.rotations[final.accepted]),
+        *coverage_advice(np.concatenate([view.pixels[view.used] for view in views if view.accepted]), image_size),
+        *parameter_advice(parameters, deviations, image_size),
+        *correlation_advice(lens.parameters, final.covariance),
+    ]
+    camera = lens.camera(final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
+    return Calibration(
+        camera, chosen, error, views, parameters, deviations, final.covariance, image_size, advice, lens.name
+    )
+
+
+def _seen_view(name: str, seen: Observation, final: Fit, place: int) -> View:
+    return View(
+        name=name,
+        found=True,
+        accepted=place in final.accepted,
+        reason=final.reasons.get(place, ""),
+        points=seen.points,
+        pixels=seen.pixels,
+        residuals=final.residuals[place],
+        used=final.used[place],
+        initial_error=float(final.initial_errors[place]),
+        final_error=float(final.final_errors[place]),
+        rotation=final.estimate.rotations[place],
+        translation=final.estimate.translations[place],
+    )
+
+
+def _missing_view(name: str, reason: str) -> View:
+    nothing = np.empty((0, 2))
+    unknown = float("nan")
+    used = np.empty(0, dtype=bool)
+    pose = np.full((3, 3), unknown), np.full(3, unknown)
+    return View(name, False, False, reason, np.empty((0, 3)), nothing, nothing, used, unknown, unknown, *pose)
+
+
+def _chosen(views: tuple[View, ...], wanted: int | str | None) -> int:
+    """Return the index of the view whose pose the camera takes."""
+    if wanted is None:
+        return next(index for index, view in enumerate(views) if view.accepted)
+    if isinstance(wanted, str):
+        matches = [index for index, view in enumerate(views) if wanted in (view.name, Path(view.name).name)]
+    else:
+        matches = [wanted] if 0 <= wanted < len(views) else []
+    if not matches:
+        raise CameraError(f"view {wanted!r}: there is no such view; they are {', '.join(view.name for view in views)}.")
+    view = views[matches[0]]
+    if not view.found:
+        raise CameraError(f"view {wanted!r}: the target was not found in {view.name}: {view.reason}.")
+    return matches[0]

@@ -1,0 +1,130 @@
+"""The points of a target found in an image, to a fraction of a pixel."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._internal.types import Floats, Image
+from fedic.calibration._adjustment.bundle import Observation
+from fedic.calibration.target import Target
+
+__all__ = ["NotFoundError", "find_target"]
+
+_SMALLEST_BLOB = 12.0
+_FEWEST_POINTS = 6
+
+
+class NotFoundError(Exception):
+    """The target is not in the image; the message says what is known of the cause."""
+
+
+def find_target(image: Image, target: Target) -> Observation:
+    """Find the points of a target in an image.
+
+    Chessboards by the Radon transform of Duda and Frese (2018), ChArUco boards by their markers, circles as blobs whose
+    centres `fedic.calibration.detection._circles` refines once the camera is nearly known.
+
+    Parameters
+    ----------
+    image : ndarray, shape (height, width)
+        Grey levels.
+    target : Target
+        What to look for.
+
+    Returns
+    -------
+    Observation
+        All points of the target; of a ChArUco board those in view.
+
+    Raises
+    ------
+    NotFoundError
+        If the target is not there.
+    """
+    import cv2
+
+    cv2.setRNGSeed(0)  # the searches draw from OpenCV's generator; the same image must give the same points
+    grey = _eight_bits(image)
+    if target.kind == "charuco":
+        return _find_charuco(grey, target)
+    pixels = _find_chessboard(grey, target) if target.kind == "chessboard" else _find_circles(grey, target)
+    return Observation(target.points, _read_from_the_front(pixels, target))
+
+
+def _eight_bits(image: Image) -> NDArray[np.uint8]:
+    if image.dtype == np.uint8:
+        return image  # type: ignore[return-value]
+    low, high = float(image.min()), float(image.max())
+    return np.rint((image.astype(np.float64) - low) * (255.0 / max(high - low, 1e-30))).astype(np.uint8)
+
+
+def _find_chessboard(grey: NDArray[np.uint8], target: Target) -> Floats:
+    import cv2
+
+    flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
+    found, corners = cv2.findChessboardCornersSB(grey, (target.columns, target.rows), flags=flags)
+    if found:
+        return np.asarray(corners, dtype=np.float64).reshape(-1, 2)
+    larger = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_LARGER
+    found, _, layout = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), larger)
+    if found and sorted(layout.shape[:2]) != sorted((target.columns, target.rows)):
+        columns, rows = sorted(layout.shape[:2], reverse=target.columns >= target.rows)
+        raise NotFoundError(
+            f"a chessboard of {columns} x {rows} inner corners is seen, {target.columns} x {target.rows} were expected"
+        )
+    raise NotFoundError(f"no chessboard of {target.columns} x {target.rows} inner corners is seen whole")
+
+
+def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
+    """Find dark circles, or light ones in the negative."""
+    import cv2
+
+    blobs: Any = cv2  # whose stubs know no SimpleBlobDetector
+    options = blobs.SimpleBlobDetector_Params()
+    options.minArea = _SMALLEST_BLOB
+    options.maxArea = grey.size / (target.columns * target.rows)
+    options.minDistBetweenBlobs = 3.0
+    detector = blobs.SimpleBlobDetector_create(options)
+    layout = cv2.CALIB_CB_SYMMETRIC_GRID if target.kind == "circles" else cv2.CALIB_CB_ASYMMETRIC_GRID
+    for picture in (grey, 255 - grey):
+        for clustering in (0, cv2.CALIB_CB_CLUSTERING):
+            size = (target.columns, target.rows)
+            found, centres = cv2.findCirclesGrid(picture, size, flags=layout | clustering, blobDetector=detector)
+            if found:
+                return np.asarray(centres, dtype=np.float64).reshape(-1, 2)
+    count = max(len(detector.detect(grey)), len(detector.detect(255 - grey)))
+    raise NotFoundError(
+        f"no grid of {target.columns} x {target.rows} circles is seen whole; {count} blobs of any kind are in the image"
+    )
+
+
+def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
+    import cv2
+
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, target.dictionary))
+    best: NDArray[Any] = np.empty(0, dtype=np.int64)
+    markers = 0
+    corners: Any = None
+    for legacy in (False, True):
+        board = cv2.aruco.CharucoBoard((target.columns, target.rows), target.pitch, target.marker, dictionary)
+        board.setLegacyPattern(legacy)
+        found, numbers, _, seen = cv2.aruco.CharucoDetector(board).detectBoard(grey)
+        markers = max(markers, 0 if seen is None else len(seen))
+        if numbers is not None and len(numbers) > len(best):
+            best, corners = numbers.ravel(), found.reshape(-1, 2)
+    points = target.points[best]
+    if len(best) < _FEWEST_POINTS or np.linalg.matrix_rank(points - points.mean(axis=0), tol=target.pitch / 2) < 2:
+        raise NotFoundError(
+            f"{len(best)} corners of the board are seen, fewer than the {_FEWEST_POINTS} needed on more than a line, "
+            f"and {markers} markers of {target.dictionary}"
+        )
+    return Observation(points, np.asarray(corners, dtype=np.float64))
+
+
+def _read_from_the_front(pixels: Floats, target: Target) -> Floats:
+    """Undo a reading of the points as if the target were seen from behind: the rows in reverse order."""
+    grid = pixels.reshape(target.rows, target.columns, 2)
+    row, column = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
+    from_the_front = row[0] * column[1] - row[1] * column[0] > 0.0
+    return pixels if from_the_front else grid[::-1].reshape(-1, 2)

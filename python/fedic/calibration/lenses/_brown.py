@@ -1,0 +1,198 @@
+"""The words that name a lens model, and the model of few coefficients."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from fedic._core import BrownDistortion, Pinhole
+from fedic._internal.types import Distortion, Floats
+from fedic.errors import CameraError
+
+__all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]
+
+_COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
+"""The place of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
+
+_ORDER = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
+
+SPLINES = ("spline", "inverse-spline")
+"""The words of non-parametric models, which take their shape from the points: `fedic.calibration.lenses._spline`."""
+
+_WORDS = {
+    "none": (),
+    "radial1": ("k1",),
+    "radial2": ("k1", "k2"),
+    "radial3": ("k1", "k2", "k3"),
+    "decentering": ("d1", "d2"),
+    "prism": ("p1", "p2"),
+    "brown": ("k1", "k2", "k3", "d1", "d2"),
+}
+
+
+class Lens(Protocol):
+    """A model of the camera without its pose, to be fitted.
+
+    Its unknowns start with fx, fy, cx and cy.
+    """
+
+    @property
+    def name(self) -> str:
+        """Its words, joined by ``+``."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the unknowns that have one, in their order; those without follow."""
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+
+    @property
+    def tolerance(self) -> float:
+        """The minimum is found where a correction, all unknowns together, is below this many standard deviations."""
+
+    @property
+    def first_damping(self) -> float:
+        """Damping of the first step: small where the start is near."""
+
+    @property
+    def penalty(self) -> Floats | None:
+        """Matrix (size, size) of a quadratic form of the unknowns that is added to the squared distances."""
+
+    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
+        """Project points of the camera frame.
+
+        Parameters
+        ----------
+        values : ndarray, shape (size,)
+            Of the unknowns.
+        positions : ndarray, shape (n, 3)
+            Points in the camera frame.
+
+        Returns
+        -------
+        pixels : ndarray, shape (n, 2)
+        by_values : ndarray, shape (n, 2, size)
+        by_positions : ndarray, shape (n, 2, 3)
+        """
+
+    def distortion(self, values: Floats) -> Distortion | None:
+        """Make the lens of some values of the unknowns, in the form it is fitted in."""
+
+    def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
+        """Make the camera of some values of the unknowns and a pose: rotation (3, 3) and translation (3,)."""
+
+
+@dataclass(frozen=True)
+class BrownLens:
+    """A model of few coefficients: those of `fedic.BrownDistortion` that are free, the others being zero.
+
+    Attributes
+    ----------
+    name : str
+        Its words, joined by ``+``.
+    coefficients : tuple of str
+        Of ``k1 k2 k3 d1 d2 p1 p2``, in this order.
+    """
+
+    name: str
+    coefficients: tuple[str, ...]
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of all the unknowns."""
+        return ("fx", "fy", "cx", "cy", *self.coefficients)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.parameters)
+
+    @property
+    def tolerance(self) -> float:
+        """See `Lens.tolerance`."""
+        return 1e-5
+
+    @property
+    def first_damping(self) -> float:
+        """See `Lens.first_damping`."""
+        return 1e-3
+
+    @property
+    def penalty(self) -> None:
+        """None: the coefficients are free."""
+        return
+
+    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
+        """Project points of the camera frame, see `Lens.linearised`."""
+        import cv2
+
+        projected = cv2.projectPoints(positions, np.zeros(3), np.zeros(3), *self._matrices(values))
+        pixels, slopes = (np.asarray(part, dtype=np.float64) for part in projected)
+        slopes = slopes.reshape(len(positions), 2, -1)
+        chosen = [6, 7, 8, 9, *(10 + _COEFFICIENTS[name] for name in self.coefficients)]
+        return pixels.reshape(-1, 2), slopes[:, :, chosen], slopes[:, :, 3:6]
+
+    def distortion(self, values: Floats) -> Distortion | None:
+        """Make the lens of some values of the unknowns; None where no coefficient is free."""
+        if not self.coefficients:
+            return None
+        by_name = dict(zip(self.coefficients, (float(value) for value in values[4:]), strict=True))
+        k1, k2, k3, d1, d2, p1, p2 = (by_name.get(name, 0.0) for name in _ORDER)
+        return BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2))
+
+    def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
+        """Make the camera of some values of the unknowns and a pose."""
+        fx, fy, cx, cy = (float(value) for value in values[:4])
+        tx, ty, tz = (float(value) for value in translation)
+        lens = self.distortion(values)
+        return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
+
+    def _matrices(self, values: Floats) -> tuple[Floats, Floats]:
+        """Return the camera matrix and the twelve distortion coefficients of OpenCV."""
+        fx, fy, cx, cy = values[:4]
+        distortion = np.zeros(12)
+        distortion[[_COEFFICIENTS[name] for name in self.coefficients]] = values[4:]
+        return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), distortion
+
+
+BROWN, RADIAL = (BrownLens(word, _WORDS[word]) for word in ("brown", "radial1"))
+"""The richest and the plainest of the models with a lens."""
+
+
+def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
+    """Read the name of a lens model.
+
+    Parameters
+    ----------
+    distortion : str or sequence of str
+        ``"spline"`` or ``"inverse-spline"``; or any of ``"none"``, ``"radial1"`` (k1), ``"radial2"`` (k1, k2),
+        ``"radial3"`` (k1 to k3), ``"decentering"``, ``"prism"`` and ``"brown"`` (radial3 and decentering), joined by
+        ``+`` or in a sequence.
+
+    Returns
+    -------
+    BrownLens or str
+        The model, or the word of a non-parametric one.
+
+    Raises
+    ------
+    CameraError
+        If a word is unknown, or a spline is joined with another model, which it holds already.
+    """
+    words = distortion.split("+") if isinstance(distortion, str) else list(distortion)
+    words = [re.sub(r"\s", "", word) for word in words]
+    unknown = [word for word in words if word not in (*_WORDS, *SPLINES)]
+    if unknown or not words:
+        given = unknown[0] if unknown else ""
+        known = ", ".join((*_WORDS, *SPLINES))
+        raise CameraError(f"distortion: {given!r} is unknown; give {known}, or several but the splines joined by '+'.")
+    if len(words) > 1 and any(word in SPLINES for word in words):
+        raise CameraError(f"distortion: {'+'.join(words)!r}: a spline takes any shape, leave out the other models.")
+    if words[0] in SPLINES:
+        return words[0]
+    free = {name for word in words for name in _WORDS[word]}
+    return BrownLens("+".join(words), tuple(name for name in _ORDER if name in free))

@@ -1,0 +1,229 @@
+"""The non-parametric model: a field of displacements on the retinal plane, whatever its shape (paper, Fig. 12).
+
+The paper fits the field to what a pure projective calibration leaves. There each pose has already taken its part of the
+distortion, another in every view; here the field and the poses are unknowns of one least-squares problem, and the field
+is what is added to the one radial coefficient of a first fit. Nothing tells a common shift, scale or turn of the field
+from another principal point, focal length or turn of all poses: this rigid part is kept out of what is added. Its
+fourth differences are penalised, as much as `fedic.calibration._adjustment.smoothing` finds right.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import comb
+
+import numpy as np
+
+from fedic._core import InverseSplineDistortion, Pinhole, SplineDistortion, spline_basis
+from fedic._internal.types import Distortion, Floats
+from fedic.errors import CameraError
+
+__all__ = ["SplineLens"]
+
+_POINTS_PER_COEFFICIENT = 8
+_FEWEST_INTERVALS, _MOST_INTERVALS = 4, 16
+_MARGIN = 0.005
+"""Of the extent of the points, by which the domain reaches beyond them: they still move a little."""
+_ORDER = 4
+_GRID = 60
+_INVERSE_TOLERANCE_PX = 3e-4
+
+
+@dataclass(frozen=True, eq=False)
+class SplineLens:
+    """A camera whose lens is a tensor-product cubic B-spline.
+
+    Its unknowns are fx, fy, cx, cy, and what is added to the coefficients of a first lens: of the displacement along x,
+    then along y.
+
+    Attributes
+    ----------
+    name : str
+        ``"spline"`` or ``"inverse-spline"``: what the camera is made with.
+    domain : (x0, y0, x1, y1)
+        On the retinal plane.
+    intervals : (int, int)
+        Along x and y.
+    first : ndarray, shape (number of coefficients, 2)
+        Coefficients that follow the first lens.
+    image : (u0, v0, u1, v1)
+        The part of the image the points lie in, in pixels: the domain of the inverse form, which has points all over.
+    unit : float
+        What the points weigh on a coefficient, about: pixels squared.
+    smoothing : float
+        Weight of the squared differences, in this unit.
+    """
+
+    name: str
+    domain: tuple[float, float, float, float]
+    intervals: tuple[int, int]
+    first: Floats
+    image: tuple[float, float, float, float]
+    unit: float
+    smoothing: float = 0.0
+
+    @classmethod
+    def over(cls, name: str, points: Floats, pixels: Floats, first: Pinhole) -> "SplineLens":
+        """Choose domain and intervals for the points of a calibration.
+
+        Parameters
+        ----------
+        name : str
+            ``"spline"`` or ``"inverse-spline"``.
+        points, pixels : ndarray, shape (n, 2)
+            Retinal points without distortion, and where they are seen.
+        first : Pinhole
+            A first fit.
+        """
+        domain = _box(points)
+        sides = np.subtract(domain[2:], domain[:2])
+        density = np.sqrt(len(points) / _POINTS_PER_COEFFICIENT / sides.prod())
+        density = np.clip(density, _FEWEST_INTERVALS / sides.min(), None)
+        density = min(density, _MOST_INTERVALS / sides.max())
+        nx, ny = (max(round(float(side * density)), 1) for side in sides)
+        places = _grid(domain)
+        basis = spline_basis(domain, (nx, ny), places)[0]
+        field = np.zeros_like(places) if first.distortion is None else first.distortion.distort(places) - places
+        coefficients = np.linalg.lstsq(basis, field, rcond=None)[0]
+        unit = max(first.focal) ** 2 * len(points) / len(coefficients)
+        return cls(name, domain, (nx, ny), coefficients, _box(pixels), unit)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the unknowns that have one."""
+        return ("fx", "fy", "cx", "cy")
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return 4 + 2 * self._count
+
+    @property
+    def tolerance(self) -> float:
+        """Of hundreds of unknowns together: the sum of squares would fall by a quarter of a coordinate's variance.
+
+        To go on takes many iterations, since the views hardly determine some combinations of the field and the poses.
+        """
+        return 0.5
+
+    @property
+    def first_damping(self) -> float:
+        """Next to none: the field is linear, and the poses come from another fit."""
+        return 1e-9
+
+    @cached_property
+    def penalty(self) -> Floats:
+        """Matrix (size, size) of the quadratic form that smooths the field and keeps its rigid part out."""
+        return self.penalty_of(self.smoothing)
+
+    def penalty_of(self, smoothing: float) -> Floats:
+        """Return the penalty with another smoothing."""
+        form: Floats = self.unit * (self._rigidity + smoothing * self._roughness)
+        return form
+
+    @cached_property
+    def _roughness(self) -> Floats:
+        """Matrix (size, size) of the sum of the squared differences of fourth order, in all directions."""
+        width, height = (count + 3 for count in self.intervals)
+        field = np.zeros((self._count, self._count))
+        for along in range(_ORDER + 1):
+            across = _ORDER - along
+            if along < width and across < height:
+                rows = np.kron(_differences(height, across), _differences(width, along))
+                field += comb(_ORDER, along) * rows.T @ rows
+        return self._of_both(field)
+
+    @cached_property
+    def _rigidity(self) -> Floats:
+        """Matrix (size, size) of a quadratic form that only the rigid part of the field feels.
+
+        The data do not feel it where poses and intrinsic parameters follow, so that its weight does not matter.
+        """
+        places = _grid(self.domain)
+        x, y = places.T
+        zero, one = np.zeros_like(x), np.ones_like(x)
+        fields = [(one, zero), (zero, one), (x, zero), (zero, y), (-y, x), (x * y, 1 + y * y), (1 + x * x, x * y)]
+        basis = spline_basis(self.domain, self.intervals, places)[0]
+        rigid = np.array([np.concatenate([basis.T @ along, basis.T @ across]) for along, across in fields])
+        directions, _ = np.linalg.qr(rigid.T)
+        form: Floats = np.zeros((self.size, self.size))
+        form[4:, 4:] = directions @ directions.T
+        return form
+
+    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
+        """Project points of the camera frame, see `Lens.linearised`."""
+        fx, fy, cx, cy = values[:4]
+        along, across = self._coefficients(values)
+        depth = positions[:, 2:]
+        retinal = positions[:, :2] / depth
+        basis, by_x, by_y = spline_basis(self.domain, self.intervals, retinal)
+        field = np.column_stack([basis @ along, basis @ across])
+        seen = retinal + field
+        slopes = np.eye(2) + np.stack(
+            [np.column_stack([by_x @ along, by_y @ along]), np.column_stack([by_x @ across, by_y @ across])], axis=1
+        )
+        slopes *= np.array([[fx], [fy]])
+        count = len(positions)
+        by_values = np.zeros((count, 2, self.size))
+        by_values[:, 0, 0], by_values[:, 1, 1] = seen.T
+        by_values[:, 0, 2] = by_values[:, 1, 3] = 1.0
+        by_values[:, 0, 4 : 4 + self._count] = fx * basis
+        by_values[:, 1, 4 + self._count :] = fy * basis
+        of_depth = -np.einsum("nij,nj->ni", slopes, retinal)[:, :, np.newaxis]
+        by_positions = np.concatenate([slopes, of_depth], axis=2) / depth[:, :, np.newaxis]
+        return seen * (fx, fy) + (cx, cy), by_values, by_positions
+
+    def distortion(self, values: Floats) -> SplineDistortion:
+        """Make the direct form of the lens of some values of the unknowns."""
+        width, height = (count + 3 for count in self.intervals)
+        return SplineDistortion(self.domain, self._coefficients(values).T.reshape(height, width, 2))
+
+    def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
+        """Make the camera of some values of the unknowns and a pose."""
+        fx, fy, cx, cy = (float(value) for value in values[:4])
+        tx, ty, tz = (float(value) for value in translation)
+        lens: Distortion = self.distortion(values)
+        if self.name == "inverse-spline":
+            u0, v0, u1, v1 = self.image
+            domain = ((u0 - cx) / fx, (v0 - cy) / fy, (u1 - cx) / fx, (v1 - cy) / fy)
+            try:
+                lens = InverseSplineDistortion.from_lens(lens, domain, _INVERSE_TOLERANCE_PX / max(fx, fy))
+            except CameraError as fault:
+                raise CameraError(
+                    f"The lens found has no inverse all over the image ({fault}): add views where few points lie, or "
+                    "take 'spline'."
+                ) from fault
+        return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
+
+    def _coefficients(self, values: Floats) -> Floats:
+        """Return the coefficients (2, number of them) of the displacement."""
+        coefficients: Floats = self.first.T + values[4:].reshape(2, -1)
+        return coefficients
+
+    @property
+    def _count(self) -> int:
+        return (self.intervals[0] + 3) * (self.intervals[1] + 3)
+
+    def _of_both(self, field: Floats) -> Floats:
+        """Return a quadratic form of all unknowns from one of the coefficients of one component."""
+        form = np.zeros((self.size, self.size))
+        form[4 : 4 + self._count, 4 : 4 + self._count] = field
+        form[4 + self._count :, 4 + self._count :] = field
+        return form
+
+
+def _grid(domain: tuple[float, float, float, float]) -> Floats:
+    """Return points (n, 2) all over a rectangle, its borders included."""
+    x, y = np.meshgrid(np.linspace(domain[0], domain[2], _GRID), np.linspace(domain[1], domain[3], _GRID))
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def _box(points: Floats) -> tuple[float, float, float, float]:
+    """Return left, top, right and bottom of a rectangle around points (n, 2), with a margin."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    (x0, y0), (x1, y1) = low - _MARGIN * (high - low), high + _MARGIN * (high - low)
+    return float(x0), float(y0), float(x1), float(y1)
+
+
+def _differences(count: int, order: int) -> Floats:
+    """Return the matrix (count - order, count) of differences."""
+    return np.diff(np.eye(count), n=order, axis=0)

@@ -1,0 +1,309 @@
+"""The camera from the specimen itself: its parameters from images of it moved as a rigid body."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fedic import _core
+from fedic._core import BrownDistortion, Mesh, Pinhole
+from fedic._internal.types import Camera, Floats, Image, Progress
+from fedic.correlation import Interpolation
+from fedic.errors import CameraError, ImageError, MeshError, SolveError
+from fedic.io.images import as_image
+from fedic.result import Iteration
+from fedic.starts.fft import translation_start
+
+__all__ = ["SpecimenCalibration", "calibrate_on_specimen"]
+
+_LARGE_CORRELATION = 0.98
+_LOOSE = 0.01
+"""Part of the image's diagonal that a parameter's standard deviation may move a point by before that is told."""
+_SMALL_MOTION = 0.1
+"""Part of the image's shorter side that the largest motion should exceed."""
+_ONE_LINE = 0.1
+"""Extent of the motions across their main direction, relative to that along it."""
+_INSIGNIFICANT = 2.0
+"""Standard deviations from zero within which a coefficient of the lens is none."""
+_LENS = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
+
+
+@dataclass(frozen=True, eq=False)
+class SpecimenCalibration:
+    """A camera found on the specimen.
+
+    Attributes
+    ----------
+    camera : Pinhole
+        The camera.
+    parameters : tuple of str
+        The parameters found, in the order of `covariance`.
+    covariance : ndarray of float64, shape (p, p)
+        Of the parameters; rotations in radians about the camera's axes.
+    motions : ndarray of float64, shape (n, 6)
+        Rigid motion of the specimen in each image: translation along ``X, Y, Z`` in the mesh's unit, and rotation
+        vector in radians about the middle of the mesh (the mean of its nodes).
+    motion_standard_deviations : ndarray of float64, shape (n, 6)
+        Their standard deviations; 0 for what was held.
+    history : list of Iteration
+        Every iteration, coarsest level first; the corrections are root mean squares of what moves in the images.
+    converged : bool
+        Whether the last correction was within the tolerance.
+    residual_rms : float
+        Standard deviation of the grey levels of an image, as filtered, about the texture that all images share.
+    noise : float
+        Standard deviation of the noise of an image as recorded that the covariance stands on, in grey levels.
+    num_points : int
+        Number of quadrature points.
+    advice : list of str
+        What would make the calibration better, a sentence each; empty where nothing is amiss.
+    """
+
+    camera: Pinhole
+    parameters: tuple[str, ...]
+    covariance: Floats
+    motions: Floats
+    motion_standard_deviations: Floats
+    history: list[Iteration]
+    converged: bool
+    residual_rms: float
+    noise: float
+    num_points: int
+    advice: list[str] = field(default_factory=list)
+
+    @property
+    def standard_deviations(self) -> dict[str, float]:
+        """Standard deviation of each parameter, by its name."""
+        deviations = np.sqrt(np.diag(self.covariance))
+        return {name: float(deviation) for name, deviation in zip(self.parameters, deviations, strict=True)}
+
+
+def calibrate_on_specimen(
+    reference: Image,
+    images: Sequence[Image],
+    mesh: Mesh,
+    camera: Pinhole,
+    parameters: Sequence[str] = ("k1", "cx", "cy"),
+    *,
+    motion: Literal["translation", "in-plane", "spatial"] = "in-plane",
+    translations: ArrayLike | None = None,
+    known_translations: bool = False,
+    noise: float | None = None,
+    density: float = 1.0,
+    interpolation: Interpolation = "bspline5",
+    smoothing: float = 0.8,
+    brightness: Literal["global"] | None = "global",
+    tolerance: float = 1e-5,
+    max_iterations: int = 50,
+    num_threads: int | None = None,
+    progress: Progress | None = None,
+) -> SpecimenCalibration:
+    """Find parameters of the camera from rigid motions of the flat specimen: a calibration without a target.
+
+    The same texture must show in all images once they are brought back through the camera and the motions. That
+    determines the lens and the tilt of the camera, but not the scale (``fx``, ``fy`` and ``tz`` together, unless the
+    translations are known) nor the place of the specimen in its plane (``tx``, ``ty``, ``rz``). Motions of a third of
+    the field of view in two directions or more are best; three images do.
+
+    Parameters
+    ----------
+    reference : ndarray of uint8, uint16 or float32, shape (height, width)
+        The image of the specimen where the mesh is.
+    images : sequence of ndarray, each of shape (height, width)
+        Images of the specimen moved and not deformed.
+    mesh : Mesh
+        Covers the part of the specimen to be used, in the plane: the more of the image, the better. It may reach beyond
+        the image, and its cells may be large.
+    camera : Pinhole
+        The start: its parameters and pose are kept but for those to be found.
+    parameters : sequence of str
+        Any of ``k1, k2, k3, d1, d2, p1, p2`` (see `BrownDistortion`), ``cx, cy, fx, fy`` (pixels), ``rx, ry, rz``
+        (rotation about the camera's axes, from where it is) and ``tx, ty, tz`` (translation).
+    motion : {"translation", "in-plane", "spatial"}
+        The motions: along ``X`` and ``Y``; these and a rotation about ``Z``; or any rigid motion, for a stage that
+        leaves the plane.
+    translations : array_like of shape (n, 2), optional
+        Translation of the specimen along ``X`` and ``Y`` in each image, in the mesh's unit and to a few pixels; found
+        by cross-correlation unless given.
+    known_translations : bool
+        Whether `translations` are exact: they are then held and give the scale.
+    noise : float, optional
+        Standard deviation of the noise of one image as recorded, in grey levels; from the residual unless given.
+    density : float
+        Quadrature points per pixel.
+    interpolation, smoothing, num_threads
+        See `Correlator`.
+    brightness : {"global"} or None
+        Whether a gain and an offset of each image are found too.
+    tolerance : float
+        Stop when a correction moves the images by less than this, in pixels (root mean square).
+    max_iterations : int
+        Largest number of iterations on the full images.
+    progress : callable, optional
+        See `Correlator.correlate`.
+
+    Returns
+    -------
+    SpecimenCalibration
+        The camera, its uncertainty, and how it was reached.
+
+    Raises
+    ------
+    ImageError
+        If there is no image, or one cannot be used or is not of the size of the reference.
+    CameraError
+        If the camera is no `Pinhole` or a parameter is unknown.
+    SolveError
+        If the specimen does not move, an image does not match, or the images do not determine a parameter: the message
+        names it.
+
+    Notes
+    -----
+    Minimised over the parameters, the motions ``T_j``, gains ``a_j``, offsets ``b_j`` and the texture ``m`` is
+
+        sum over j and X of [ a_j g_j(P(T_j X)) + b_j - m(X) ]^2
+
+    the reference image being one of the ``g_j``. For white noise of equal standard deviation in all images, of which
+    the residual tells the size, the covariance is ``noise^2 A^-1 B A^-1`` with ``A`` the normal matrix and ``B`` the
+    noise it gathers (see `Correlator.standard_deviations`). It holds what noise does, not what a wrong model does: a
+    specimen that is not flat, or that deforms.
+
+    The pixels within 5 and 4 times the smoothing of the border are not used.
+    """
+    reference = as_image(reference, "reference")
+    moved = _checked_images(reference, images)
+    if not isinstance(mesh, Mesh):
+        raise MeshError(f"calibrate_on_specimen: mesh must be a fedic.Mesh, got a {type(mesh).__name__}.")
+    names = _checked_names(camera, parameters)
+    start = _start(reference, moved, mesh, camera, translations, known_translations)
+    found = _core.calibrate_on_specimen(
+        [reference, *moved],
+        mesh,
+        camera,
+        list(names),
+        start,
+        motion=motion,
+        known_translations=known_translations,
+        density=density,
+        interpolation=interpolation,
+        smoothing=smoothing,
+        brightness=brightness is not None,
+        noise=noise,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        num_threads=num_threads,
+        progress=progress,
+    )
+    return SpecimenCalibration(
+        camera=found.camera,
+        parameters=names,
+        covariance=found.covariance,
+        motions=found.motions,
+        motion_standard_deviations=found.motion_deviations,
+        history=[Iteration(*entry) for entry in found.history],
+        converged=found.converged,
+        residual_rms=found.residual_rms,
+        noise=found.noise,
+        num_points=found.num_points,
+        advice=_advice(found, names, mesh, (reference.shape[1], reference.shape[0])),
+    )
+
+
+def _checked_images(reference: Image, images: Sequence[Image]) -> list[Image]:
+    if isinstance(images, np.ndarray) and images.ndim == 2:
+        raise ImageError("calibrate_on_specimen: images is one image; give a list of images of the specimen moved.")
+    checked = [as_image(image, f"moved (images[{index}])") for index, image in enumerate(images)]
+    if not checked:
+        raise ImageError("calibrate_on_specimen: images is empty; give at least one image of the specimen moved.")
+    for index, image in enumerate(checked):
+        if image.shape != reference.shape:
+            raise ImageError(
+                f"calibrate_on_specimen: images[{index}] has shape {image.shape} and the reference {reference.shape}; "
+                "all must come from the same sensor area."
+            )
+    return checked
+
+
+def _checked_names(camera: Camera, parameters: Sequence[str]) -> tuple[str, ...]:
+    if not isinstance(camera, Pinhole):
+        raise CameraError(
+            f"calibrate_on_specimen: {type(camera).__name__} has no parameters to be found; give a Pinhole whose focal "
+            "length and distance are those of the set-up."
+        )
+    if isinstance(parameters, str):
+        raise CameraError(f'calibrate_on_specimen: parameters is {parameters!r}; give a sequence such as ("k1",).')
+    return tuple(str(name) for name in parameters)
+
+
+def _start(
+    reference: Image,
+    moved: list[Image],
+    mesh: Mesh,
+    camera: Pinhole,
+    translations: ArrayLike | None,
+    known: bool,
+) -> Floats:
+    if translations is None:
+        if known:
+            raise SolveError("calibrate_on_specimen: known_translations needs the translations.")
+        return np.array([translation_start(reference, image, mesh, camera) for image in moved])
+    try:
+        start = np.array(translations, dtype=np.float64)
+    except (TypeError, ValueError):
+        start = np.empty(0)
+    if start.shape != (len(moved), 2) or not np.isfinite(start).all():
+        raise SolveError(
+            f"calibrate_on_specimen: translations must hold a finite pair (X, Y) for each of the {len(moved)} images, "
+            f"shape ({len(moved)}, 2); got shape {start.shape}."
+        )
+    return start
+
+
+def _advice(found: _core.SelfCalibration, names: tuple[str, ...], mesh: Mesh, size: tuple[int, int]) -> list[str]:
+    advice = []
+    if not found.converged:
+        advice.append("The iterations ended before they converged; allow more (max_iterations) or start closer.")
+    deviations = np.sqrt(np.diag(found.covariance))
+    for name, deviation, sensitivity in zip(names, deviations, found.sensitivities, strict=True):
+        if deviation * sensitivity > _LOOSE * np.hypot(*size):
+            advice.append(
+                f"{name} is known within {deviation:.2g} only, which moves points by up to "
+                f"{deviation * sensitivity:.0f} px: hold it, or move the specimen further."
+            )
+        value = _lens_coefficient(found.camera, name)
+        if value is not None and abs(value) < _INSIGNIFICANT * deviation:
+            advice.append(f"{name} = {value:.2g} is zero within its standard deviation {deviation:.2g}: leave it out.")
+    correlation = found.covariance / np.outer(deviations, deviations)
+    for row, column in zip(*np.triu_indices(len(names), 1), strict=True):
+        if abs(correlation[row, column]) > _LARGE_CORRELATION:
+            advice.append(
+                f"{names[row]} and {names[column]} are correlated by {correlation[row, column]:.3f}: their values say "
+                "little one by one; find fewer parameters, or move the specimen further."
+            )
+    return advice + _advice_on_motions(found, mesh, size)
+
+
+def _advice_on_motions(found: _core.SelfCalibration, mesh: Mesh, size: tuple[int, int]) -> list[str]:
+    used = mesh.points[mesh.used_nodes]
+    centre = np.zeros(3)
+    centre[: used.shape[1]] = used.mean(axis=0)
+    ways = found.camera.project(centre + found.motions[:, :3]) - found.camera.project(centre[np.newaxis])
+    furthest, shorter_side = float(np.hypot(*ways.T).max()), min(size)
+    if furthest < _SMALL_MOTION * shorter_side:
+        return [
+            f"The specimen moves by {furthest:.0f} px at most, {furthest / shorter_side:.0%} of the image's shorter "
+            "side: the lens shows in proportion to the motion."
+        ]
+    extents = np.linalg.svd(ways, compute_uv=False)
+    if len(extents) < 2 or extents[1] < _ONE_LINE * extents[0]:
+        return ["All motions lie along one line: move the specimen in a second direction too."]
+    return []
+
+
+def _lens_coefficient(camera: Pinhole, name: str) -> float | None:
+    lens = camera.distortion
+    if name not in _LENS or not isinstance(lens, BrownDistortion):
+        return None
+    return dict(zip(_LENS, (*lens.radial, *lens.decentering, *lens.prism), strict=True))[name]

@@ -1,0 +1,121 @@
+"""Cameras in files: fedic's own ``camera.toml`` and those of other packages."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from fedic._internal.types import Camera, StrPath
+from fedic.cameras.files._arrays import read_arrays
+from fedic.cameras.files._matchid import read_matchid
+from fedic.cameras.files._opencv import read_opencv, write_opencv
+from fedic.cameras.files._toml import read_toml, write_toml
+from fedic.cameras.files._vic3d import read_vic3d
+from fedic.errors import CameraError, FedicError
+
+__all__ = ["check_writable", "read_camera", "write_camera"]
+
+_READERS: dict[str, Callable[[Path, int], Camera]] = {
+    ".toml": read_toml,
+    ".yml": read_opencv,
+    ".yaml": read_opencv,
+    ".xml": read_opencv,
+    ".npz": read_arrays,
+    ".txt": read_vic3d,
+    ".caldat": read_matchid,
+}
+_OPENCV = (".yml", ".yaml", ".xml")
+
+
+def read_camera(path: StrPath, *, number: int = 0) -> Camera:
+    """Read a calibrated camera.
+
+    Parameters
+    ----------
+    path : str or path
+        By its suffix: ``.toml`` (fedic), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV), ``.npz`` (arrays under OpenCV's
+        usual names), ``.txt`` (report of VIC-3D), ``.caldat`` (MatchID).
+    number : int
+        Which one, where the file holds two: 0 or 1.
+
+    Returns
+    -------
+    Pinhole, FrontParallel or ImageFrame
+        With the pose in the file. Where it holds none, and for the first of two cameras, the world is the camera's own
+        frame: no rotation, no translation. The second of two cameras has the pose that carries the frame of the first
+        to its own.
+
+    Raises
+    ------
+    CameraError
+        If the file is missing, truncated, lacks a value, or says what fedic's cameras cannot express.
+    """
+    path = Path(path)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise CameraError(f"{path}: a camera is not read from {path.suffix!r}; give one of {', '.join(_READERS)}.")
+    if not path.is_file():
+        raise CameraError(f"{path}: there is no such camera file; check the path.")
+    return reader(path, number)
+
+
+def write_camera(
+    camera: Camera, path: StrPath, *, overwrite: bool = False, notes: Mapping[str, object] | None = None
+) -> Path:
+    """Write a camera.
+
+    Parameters
+    ----------
+    camera : Pinhole, FrontParallel or ImageFrame
+        The camera; OpenCV's files hold a `fedic.Pinhole` without skew only.
+    path : str or path
+        Ends in ``.toml`` (read by ``fedic run``), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV).
+    overwrite : bool
+        Whether a file that exists may be replaced.
+    notes : mapping, optional
+        Numbers and texts kept in the section ``[calibration]`` of a ``.toml`` file, which nothing reads.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    CameraError
+        If the file exists and `overwrite` is not given, the suffix is another, or the format cannot hold the camera.
+    FedicError
+        If it cannot be written.
+    """
+    path = Path(path)
+    check_writable(path, overwrite=overwrite)
+    if path.suffix.lower() == ".toml":
+        write_toml(camera, path, notes or {})
+    else:
+        write_opencv(camera, path)
+    return path
+
+
+def check_writable(path: Path, *, overwrite: bool) -> None:
+    """Check, before any long work, that a camera can be written to a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    overwrite : bool
+        Whether it may exist.
+
+    Raises
+    ------
+    CameraError
+        If it exists and may not, or its suffix is none that is written.
+    FedicError
+        If its folder does not exist.
+    """
+    if path.suffix.lower() not in (".toml", *_OPENCV):
+        raise CameraError(f"{path}: a camera is not written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
+    if not path.parent.is_dir():
+        raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.")
+    if path.exists() and not overwrite:
+        raise CameraError(
+            f"{path}: this camera file exists and was left as it is; overwrite=True (--overwrite) replaces it."
+        )

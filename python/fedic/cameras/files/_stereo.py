@@ -1,0 +1,77 @@
+"""The pose of the second camera of a stereo calibration."""
+
+from pathlib import Path
+
+import numpy as np
+
+from fedic._core import BrownDistortion, Pinhole
+from fedic._internal.types import Floats
+from fedic.errors import CameraError
+
+__all__ = ["rotation_from_angles", "stereo_camera"]
+
+
+def rotation_from_angles(x: float, y: float, z: float) -> Floats:
+    """Return the rotation matrix of angles in degrees about fixed axes, X first: ``Rz Ry Rx``.
+
+    Parameters
+    ----------
+    x, y, z : float
+        Angles in degrees.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        The rotation.
+    """
+    (cx, cy, cz), (sx, sy, sz) = np.cos(np.radians([x, y, z])), np.sin(np.radians([x, y, z]))
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    return np.asarray(about_z @ about_y @ about_x, dtype=np.float64)
+
+
+def stereo_camera(
+    path: Path,
+    number: int,
+    intrinsics: dict[str, float],
+    angles: tuple[float, float, float],
+    distances: tuple[float, float, float],
+) -> Pinhole:
+    """Make one of two cameras: the world is the frame of the first.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    number : int
+        0 or 1.
+    intrinsics : dict of str to float
+        ``fx fy fs cx cy k1 k2 k3 d1 d2``, of that camera.
+    angles, distances : (float, float, float)
+        From the frame of the first camera to that of the second, in degrees and in the file's unit of length.
+
+    Returns
+    -------
+    Pinhole
+        The camera.
+
+    Raises
+    ------
+    CameraError
+        If the numbers make no camera.
+    """
+    fx, fs = intrinsics["fx"], intrinsics["fs"]
+    angle = float(np.arctan2(fx, fs)) if fs else np.pi / 2
+    lens = BrownDistortion((intrinsics["k1"], intrinsics["k2"], intrinsics["k3"]), (intrinsics["d1"], intrinsics["d2"]))
+    try:
+        return Pinhole(
+            (fx, intrinsics["fy"] * float(np.sin(angle))),
+            (intrinsics["cx"], intrinsics["cy"]),
+            rotation=rotation_from_angles(*angles) if number else None,
+            translation=distances if number else (0.0, 0.0, 0.0),
+            skew_angle=angle,
+            distortion=lens,
+        )
+    except CameraError as error:
+        raise CameraError(f"{path}: camera {number}: {error}") from None

@@ -1,0 +1,124 @@
+"""Cameras from OpenCV's matrices, and what those may hold that fedic's cameras cannot."""
+
+from pathlib import Path
+
+import numpy as np
+
+from fedic._core import BrownDistortion, Pinhole
+from fedic._internal.types import Floats
+from fedic.errors import CameraError
+
+__all__ = ["camera_from_matrices", "matrices_of_camera", "numbers"]
+
+_LENGTHS = (4, 5, 8, 12, 14)
+_BEYOND = {"k4": 5, "k5": 6, "k6": 7, "s2": 9, "s4": 11, "tau_x": 12, "tau_y": 13}
+
+
+def numbers(path: Path, key: str, values: object, size: int | None = None) -> Floats:
+    """Return values as a flat array of finite numbers, of a given size if any."""
+    try:
+        found = np.asarray(values, dtype=np.float64).ravel()
+    except (TypeError, ValueError):
+        raise CameraError(f"{path}: {key} holds no numbers.") from None
+    if size is not None and found.size != size:
+        raise CameraError(f"{path}: {key} holds {found.size} numbers, {size} are needed; is the file truncated?")
+    if not np.isfinite(found).all():
+        raise CameraError(f"{path}: {key} holds NaN or infinite numbers.")
+    return found
+
+
+def camera_from_matrices(
+    path: Path,
+    matrix: tuple[str, object],
+    distortion: tuple[str, object] | None,
+    rotation: tuple[str, object] | None = None,
+    translation: tuple[str, object] | None = None,
+) -> Pinhole:
+    """Make a camera from OpenCV's matrices, each given with its key.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    matrix : (str, object)
+        Camera matrix of nine numbers.
+    distortion : (str, object), optional
+        4, 5, 8, 12 or 14 coefficients in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y.
+    rotation, translation : (str, object), optional
+        Rotation vector or matrix, and translation.
+
+    Returns
+    -------
+    Pinhole
+        The camera.
+
+    Raises
+    ------
+    CameraError
+        If a matrix has the wrong size, or holds what a `fedic.Pinhole` cannot.
+    """
+    k = numbers(path, *matrix, size=9).reshape(3, 3)
+    if k[1, 0] != 0.0 or not np.array_equal(k[2], [0.0, 0.0, 1.0]):
+        raise CameraError(
+            f"{path}: {matrix[0]} is no camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]: {k.tolist()}."
+        )
+    turn = None if rotation is None else numbers(path, *rotation)
+    if turn is not None and turn.size not in (3, 9):
+        raise CameraError(f"{path}: {rotation[0] if rotation else ''} holds {turn.size} numbers, not 3 or 9.")
+    tx, ty, tz = np.zeros(3) if translation is None else numbers(path, *translation, size=3)
+    try:
+        angle = float(np.arctan2(k[0, 0], k[0, 1]))
+        return Pinhole(
+            (k[0, 0], k[1, 1] * np.sin(angle)),
+            (k[0, 2], k[1, 2]),
+            rotation=turn if turn is None or turn.size == 3 else turn.reshape(3, 3),
+            translation=(tx, ty, tz),
+            skew_angle=angle if k[0, 1] != 0.0 else np.pi / 2,
+            distortion=None if distortion is None else _lens(path, *distortion),
+        )
+    except CameraError as error:
+        raise error if str(path) in str(error) else CameraError(f"{path}: {error}") from None
+
+
+def matrices_of_camera(path: Path, camera: object) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return camera matrix, the 5 or 12 coefficients of OpenCV, rotation matrix and translation of a camera.
+
+    Raises
+    ------
+    CameraError
+        If OpenCV cannot express the camera.
+    """
+    if not isinstance(camera, Pinhole):
+        raise CameraError(f"{path}: OpenCV's files hold a Pinhole only, not a {type(camera).__name__}; write .toml.")
+    if not np.isclose(camera.skew_angle, np.pi / 2, rtol=0.0, atol=1e-15):
+        raise CameraError(f"{path}: OpenCV ignores the skew of the camera ({camera.skew_angle} rad); write .toml.")
+    lens = camera.distortion
+    if lens is not None and not isinstance(lens, BrownDistortion):
+        raise CameraError(f"{path}: OpenCV's files hold a BrownDistortion only, not a {type(lens).__name__}.")
+    (k1, k2, k3), (d1, d2), (p1, p2) = (
+        ((0.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0)) if lens is None else (lens.radial, lens.decentering, lens.prism)
+    )
+    (fx, fy), (cx, cy) = camera.focal, camera.principal_point
+    coefficients = [k1, k2, d1, d2, k3]
+    if p1 or p2:
+        coefficients += [0.0, 0.0, 0.0, p1, 0.0, p2, 0.0]
+    matrix = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+    return matrix, np.array([coefficients]), camera.rotation, np.array(camera.translation)
+
+
+def _lens(path: Path, key: str, values: object) -> BrownDistortion | None:
+    found = numbers(path, key, values)
+    if found.size == 0 or not found.any():
+        return None
+    if found.size not in _LENGTHS:
+        raise CameraError(f"{path}: {key} holds {found.size} coefficients; OpenCV writes 4, 5, 8, 12 or 14.")
+    full = np.zeros(max(_LENGTHS))
+    full[: found.size] = found
+    beyond = [f"{name} = {full[place]:g}" for name, place in _BEYOND.items() if full[place] != 0.0]
+    if beyond:
+        raise CameraError(
+            f"{path}: {key} has {', '.join(beyond)}: the rational and tilted models and the prism terms in r^4 are not "
+            "fedic's; calibrate again without them."
+        )
+    k1, k2, d1, d2, k3 = (float(value) for value in full[:5])
+    return BrownDistortion((k1, k2, k3), (d1, d2), (float(full[8]), float(full[10])))

@@ -1,0 +1,1 @@
+"""Measurement of a series of images described by a configuration file."""

@@ -1,0 +1,124 @@
+"""``fedic run``: measure a series of images as a configuration says, and write everything in one folder."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fedic._core import __version__
+from fedic._internal.types import Image, Progress
+from fedic.campaign.config import Config
+from fedic.correlation import Correlator
+from fedic.errors import FedicError
+from fedic.io.atomic import make_folder, write_json
+from fedic.io.images import read_image
+from fedic.io.results import summary
+from fedic.plotting.fields import plot_displacement, plot_mesh, plot_residual, save_figure
+from fedic.result import Result
+
+__all__ = ["Frame", "run"]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What became of one deformed image.
+
+    Attributes
+    ----------
+    image : Path
+        The image file.
+    seconds : float
+        Time from reading the image to writing the last file.
+    outcome : dict
+        The summary of the result, or ``{"error": ...}``.
+    """
+
+    image: Path
+    seconds: float
+    outcome: dict[str, Any]
+
+    @property
+    def error(self) -> str | None:
+        """The message of the fault that stopped this frame, if any."""
+        return self.outcome.get("error")
+
+
+def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[[Frame], object] | None = None) -> Path:
+    """Measure every deformed image of a configuration.
+
+    The output folder receives, for each image, ``<stem>.vtu``, ``<stem>.npz`` and pictures, and ``summary.json``, which
+    is written again after each frame. A frame that fails is recorded there and the others go on. Image files must stay
+    as they are meanwhile: large ones are mapped (see `fedic.read_image`).
+
+    Parameters
+    ----------
+    config : Config
+        From `fedic.campaign.config.load_config`.
+    progress : callable, optional
+        See `fedic.Correlator.correlate`.
+    on_frame : callable, optional
+        Called with each `Frame` once it is finished.
+
+    Returns
+    -------
+    Path
+        The output folder.
+
+    Raises
+    ------
+    FedicError
+        If the reference, the mesh or the camera cannot be used, or, once all frames are done, if some failed.
+    """
+    folder = make_folder(config.output.folder)
+    reference = read_image(config.images.reference, mapped=True)
+    mesh = config.mesh.build()
+    camera = config.camera.build()
+    correlator = Correlator(reference, mesh, camera, **config.correlation.options())
+    if config.output.pictures:
+        save_figure(plot_mesh(mesh, camera, reference), folder / "mesh.png")
+
+    frames: list[Frame] = []
+    for path in config.images.deformed:
+        frame = _measure(correlator, path, folder, pictures=config.output.pictures, progress=progress)
+        frames.append(frame)
+        _write_summary(folder, config, frames)
+        if on_frame is not None:
+            on_frame(frame)
+
+    failed = [frame for frame in frames if frame.error is not None]
+    if failed:
+        raise FedicError(
+            f"{len(failed)} of {len(frames)} frames failed, the first being {failed[0].image.name}: {failed[0].error} "
+            f"The others are in {folder}."
+        )
+    return folder
+
+
+def _measure(correlator: Correlator, path: Path, folder: Path, *, pictures: bool, progress: Progress | None) -> Frame:
+    start = time.perf_counter()
+    try:
+        deformed = read_image(path, mapped=True)
+        result = correlator.correlate(deformed, progress=progress)
+        result.write(folder / f"{path.stem}.vtu")
+        result.write(folder / f"{path.stem}.npz")
+        if pictures:
+            _draw(correlator, result, deformed, folder / path.stem)
+        outcome = summary(result)
+    except FedicError as error:
+        outcome = {"error": str(error)}
+    return Frame(path, time.perf_counter() - start, outcome)
+
+
+def _draw(correlator: Correlator, result: Result, deformed: Image, stem: Path) -> None:
+    for component in ("x", "y"):
+        figure = plot_displacement(result, deformed, component)
+        save_figure(figure, stem.with_name(f"{stem.name}_displacement_{component}.png"))
+    residual = correlator.residual_map(deformed, result.displacement)
+    save_figure(plot_residual(residual), stem.with_name(f"{stem.name}_residual.png"))
+
+
+def _write_summary(folder: Path, config: Config, frames: list[Frame]) -> None:
+    entries = [{"image": str(frame.image), "seconds": round(frame.seconds, 3), **frame.outcome} for frame in frames]
+    content = {"fedic": __version__, "settings": config.model_dump(mode="json"), "frames": entries}
+    write_json(folder / "summary.json", content)

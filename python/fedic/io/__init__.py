@@ -1,0 +1,1 @@
+"""Reading images and meshes, and writing results."""

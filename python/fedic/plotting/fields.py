@@ -1,0 +1,270 @@
+"""Pictures: fields over the image they were measured in.
+
+Figures are made without pyplot, so that nothing is shown, kept or configured globally.
+"""
+
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from fedic._core import ImageFrame, Mesh
+from fedic._internal.types import Camera, Floats, Image
+from fedic.errors import ImageError
+from fedic.io.atomic import replacing
+from fedic.result import Result
+
+__all__ = ["draw_nodal_field", "plot_displacement", "plot_mesh", "plot_residual", "save_figure"]
+
+Component: TypeAlias = Literal["x", "y", "u", "v"]
+
+_SIGNED, _SEQUENTIAL = "RdBu_r", "viridis"
+_BACKDROP_SIDE = 2000
+_LONG_SIDE_INCHES = 7.0
+_MARGIN = 0.06
+_CLIPPED_PERCENT = 0.5
+_CENTRE_WEIGHTS = {4: (0.25,), 6: (-1.0 / 9.0, 4.0 / 9.0), 8: (-0.25, 0.5)}
+"""Shape functions at the centre, for the outline nodes in order: corners, or corners and mid-edge nodes in turn."""
+
+
+def plot_displacement(
+    result: Result, image: Image, component: Component = "x", *, on: Literal["deformed", "reference"] = "deformed"
+) -> Figure:
+    """Draw a component of the displacement over an image.
+
+    Parameters
+    ----------
+    result : Result
+        The measurement.
+    image : ndarray, shape (height, width)
+        The deformed or the reference image.
+    component : {"x", "y", "u", "v"}
+        ``x``, ``y`` in the mesh's unit; ``u`` (column), ``v`` (row) in pixels.
+    on : {"deformed", "reference"}
+        Where the mesh is drawn: as it is in the deformed image or in the reference image.
+
+    Returns
+    -------
+    Figure
+        Save it with `save_figure`.
+    """
+    pixels = result.camera.project(result.mesh.points)
+    if on == "deformed":
+        pixels = pixels + result.pixel_displacement
+    in_pixels = component in ("u", "v")
+    field = result.pixel_displacement if in_pixels else result.displacement
+    values = field[:, 0 if component in ("x", "u") else 1]
+    figure, axes = _image_figure(image, pixels[result.mesh.used_nodes])
+    colours = draw_nodal_field(axes, result.mesh, pixels, values, alpha=0.8)
+    name = component if in_pixels else f"$U_{component}$"
+    unit = "px" if in_pixels or isinstance(result.camera, ImageFrame) else "mesh unit"
+    figure.colorbar(colours, ax=axes, label=f"{name} ({unit})", extend="both", shrink=0.9)
+    return figure
+
+
+def plot_residual(residual: NDArray[np.float32]) -> Figure:
+    """Draw a residual map, cropped to the mesh.
+
+    Parameters
+    ----------
+    residual : ndarray of float32, shape (height, width)
+        From `fedic.Correlator.residual_map`; NaN is left blank.
+
+    Returns
+    -------
+    Figure
+        Save it with `save_figure`.
+
+    Raises
+    ------
+    ImageError
+        If the map is NaN everywhere.
+    """
+    inside = np.isfinite(residual)
+    if not inside.any():
+        raise ImageError("The residual map has no pixel inside the mesh.")
+    rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
+    corners = np.array([[columns[0], rows[0]], [columns[-1], rows[-1]]], dtype=np.float64)
+    limits = _limits(residual.shape, corners)
+    figure, axes = _axes(limits)
+    left, right, top, bottom = limits
+    step = -(-max(right - left, bottom - top) // _BACKDROP_SIDE)
+    reach = 3.0 * float(residual[inside].std()) or 1.0
+    drawn = axes.imshow(
+        residual[top:bottom:step, left:right:step],
+        cmap=_SIGNED,
+        vmin=-reach,
+        vmax=reach,
+        extent=_extent(limits),
+        interpolation="nearest",
+    )
+    figure.colorbar(drawn, ax=axes, label="residual (grey levels)", extend="both", shrink=0.9)
+    return figure
+
+
+def plot_mesh(mesh: Mesh, camera: Camera, image: Image) -> Figure:
+    """Draw a mesh over an image.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    camera : ImageFrame, FrontParallel or Pinhole
+        Projects it to the image.
+    image : ndarray, shape (height, width)
+        The reference image.
+
+    Returns
+    -------
+    Figure
+        Save it with `save_figure`.
+    """
+    pixels = camera.project(mesh.points)
+    figure, axes = _image_figure(image, pixels[mesh.used_nodes])
+    for outline in mesh.outlines():
+        closed = np.concatenate([outline, outline[:, :1]], axis=1)
+        axes.add_collection(LineCollection(list(pixels[closed]), colors="tab:orange", linewidths=0.5))
+    return figure
+
+
+def draw_nodal_field(
+    axes: Axes,
+    mesh: Mesh,
+    pixels: Floats,
+    values: Floats,
+    *,
+    limits: tuple[float, float] | None = None,
+    alpha: float = 1.0,
+) -> ScalarMappable:
+    """Draw a field given at the nodes, with smooth colours.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    mesh : Mesh
+        Its cells are drawn.
+    pixels : ndarray, shape (n, 2)
+        Where its nodes are drawn.
+    values : ndarray, shape (n,)
+        The field.
+    limits : (float, float), optional
+        Values at the ends of the colour scale; from the field if not given.
+    alpha : float
+        Opacity.
+
+    Returns
+    -------
+    ScalarMappable
+        For a colour bar.
+    """
+    low, high = limits or _colour_limits(values[mesh.used_nodes])
+    points, all_values, triangles = _triangles(mesh, pixels, values)
+    return axes.tripcolor(
+        points[:, 0],
+        points[:, 1],
+        all_values,
+        triangles=triangles[np.isfinite(points[triangles]).all(axis=(1, 2))],
+        shading="gouraud",
+        cmap=_SIGNED if low == -high else _SEQUENTIAL,
+        norm=Normalize(low, high),
+        alpha=alpha,
+    )
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    path : Path
+        The ``.png`` file.
+    """
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=160)
+
+
+def _colour_limits(values: Floats) -> tuple[float, float]:
+    """Bound the field without its extreme values, symmetrically about zero if it truly has both signs."""
+    low, high = np.nanpercentile(values, (_CLIPPED_PERCENT, 100.0 - _CLIPPED_PERCENT))
+    reach = max(abs(low), abs(high))
+    if low < 0.0 < high and min(-low, high) > 0.1 * reach:
+        return -float(reach), float(reach)
+    if low == high:
+        reach = max(reach * 1e-6, 1e-12)
+        return float(low - reach), float(high + reach)
+    return float(low), float(high)
+
+
+def _triangles(mesh: Mesh, pixels: Floats, values: Floats) -> tuple[Floats, Floats, NDArray[np.int64]]:
+    """Cut each cell into triangles around a point at its centre; triangles stay whole."""
+    points, all_values, triangles = [pixels], [values], []
+    count = len(pixels)
+    for (name, nodes), outline in zip(mesh.cells.items(), mesh.outlines(), strict=True):
+        sides = outline.shape[1]
+        if sides == 3:
+            triangles.append(outline)
+            continue
+        if name == "quad9":
+            centre, centre_values = pixels[nodes[:, 8]], values[nodes[:, 8]]
+        else:
+            weights = np.resize(_CENTRE_WEIGHTS[sides], sides)
+            centre = np.einsum("k,mkd->md", weights, pixels[outline])
+            centre_values = values[outline] @ weights
+        points.append(centre)
+        all_values.append(centre_values)
+        hub = np.broadcast_to(count + np.arange(len(outline))[:, np.newaxis], outline.shape)
+        triangles.append(np.stack([hub, outline, np.roll(outline, -1, axis=1)], axis=-1).reshape(-1, 3))
+        count += len(outline)
+    return np.concatenate(points), np.concatenate(all_values), np.concatenate(triangles)
+
+
+def _limits(shape: tuple[int, ...], pixels: Floats) -> tuple[int, int, int, int]:
+    """Return left, right, top, bottom (right and bottom excluded) of the part of an image around some pixels."""
+    height, width = shape
+    low, high = np.nanmin(pixels, axis=0), np.nanmax(pixels, axis=0)
+    margin = _MARGIN * float((high - low).max())
+    left, top = np.clip(np.floor(low - margin), 0, (width - 1, height - 1)).astype(int)
+    right, bottom = np.clip(np.ceil(high + margin) + 1, (left + 1, top + 1), (width, height)).astype(int)
+    return int(left), int(right), int(top), int(bottom)
+
+
+def _extent(limits: tuple[int, int, int, int]) -> tuple[float, float, float, float]:
+    left, right, top, bottom = limits
+    return left - 0.5, right - 0.5, bottom - 0.5, top - 0.5
+
+
+def _axes(limits: tuple[int, int, int, int]) -> tuple[Figure, Axes]:
+    left, right, top, bottom = limits
+    inches = _LONG_SIDE_INCHES / max(right - left, bottom - top)
+    figure = Figure(figsize=(2.0 + inches * (right - left), 0.8 + inches * (bottom - top)), layout="compressed")
+    axes = figure.add_subplot()
+    axes.set(xlabel="u (px)", ylabel="v (px)", aspect="equal")
+    return figure, axes
+
+
+def _image_figure(image: Image, pixels: Floats) -> tuple[Figure, Axes]:
+    """Make a figure of an image in grey, cropped around some pixels."""
+    import cv2
+
+    limits = _limits(image.shape, pixels)
+    left, right, top, bottom = limits
+    crop: NDArray[Any] = np.ascontiguousarray(image[top:bottom, left:right])
+    step = max(crop.shape) / _BACKDROP_SIDE
+    if step > 1.0:
+        size = (max(1, round(crop.shape[1] / step)), max(1, round(crop.shape[0] / step)))
+        crop = np.asarray(cv2.resize(crop, size, interpolation=cv2.INTER_AREA))
+    figure, axes = _axes(limits)
+    axes.imshow(crop, cmap="gray", extent=_extent(limits))
+    axes.set_xlim(left - 0.5, right - 0.5)
+    axes.set_ylim(bottom - 0.5, top - 0.5)
+    axes.autoscale(False)
+    return figure, axes

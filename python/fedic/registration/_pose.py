@@ -1,0 +1,119 @@
+"""The parameters that place a camera: their names, derivatives of the image points by them, cameras moved by them.
+
+A front-parallel camera has ``u0 v0 angle scale``, its origin in pixels, its angle in radians, its scale in pixels per
+unit. A pinhole has ``rx ry rz``, a rotation of the world about its origin and the camera's axes in radians, and ``tx ty
+tz``, the translation in the world's unit, as `Pinhole::moved_by` in Rust.
+"""
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from fedic._core import FrontParallel, Pinhole
+from fedic._internal.types import Floats
+from fedic.cameras.poses import posed
+from fedic.errors import CameraError
+
+__all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "similarity_parameters"]
+
+Placeable: TypeAlias = FrontParallel | Pinhole
+
+_FRONT_PARALLEL = ("u0", "v0", "angle", "scale")
+_PINHOLE = ("rx", "ry", "rz", "tx", "ty", "tz")
+_SIMILARITY = ("u0", "v0", "angle", "scale", "rz", "tx", "ty", "tz")
+
+
+def placeable(camera: object) -> Placeable:
+    """Return a camera that has a pose.
+
+    Raises
+    ------
+    CameraError
+        If it has none.
+    """
+    if isinstance(camera, (FrontParallel, Pinhole)):
+        return camera
+    raise CameraError(
+        f"camera: {type(camera).__name__} has no pose to be found; give a FrontParallel or a Pinhole with the rough "
+        "place of the mesh."
+    )
+
+
+def free_parameters(camera: Placeable, free: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the names of the free parameters of a camera, in their order.
+
+    Parameters
+    ----------
+    camera : FrontParallel or Pinhole
+        The camera.
+    free : sequence of str, optional
+        Those wanted; all if not given.
+
+    Raises
+    ------
+    CameraError
+        If a name is unknown.
+    """
+    known = _FRONT_PARALLEL if isinstance(camera, FrontParallel) else _PINHOLE
+    if free is None:
+        return known
+    wanted = [free] if isinstance(free, str) else list(free)
+    unknown = [name for name in wanted if name not in known]
+    if unknown or not wanted:
+        given = repr(unknown[0]) if unknown else "nothing"
+        raise CameraError(f"free: {given} is no parameter of a {type(camera).__name__}; they are {', '.join(known)}.")
+    return tuple(name for name in known if name in wanted)
+
+
+def similarity_parameters(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those of some parameters that move, turn and scale the image of the mesh and hardly distort it."""
+    return tuple(name for name in names if name in _SIMILARITY)
+
+
+def pose_jacobian(camera: Placeable, points: Floats, names: Sequence[str]) -> Floats:
+    """Return the derivatives of image points by parameters.
+
+    Parameters
+    ----------
+    camera : FrontParallel or Pinhole
+        The camera.
+    points : ndarray, shape (n, 3)
+        World points.
+    names : sequence of str
+        The parameters.
+
+    Returns
+    -------
+    ndarray, shape (n, 2, p)
+        In pixels per radian, pixel or unit.
+    """
+    columns = {}
+    if isinstance(camera, FrontParallel):
+        right, down = (camera.project(points) - camera.origin).T
+        one, zero = np.ones_like(right), np.zeros_like(right)
+        columns = {"u0": (one, zero), "v0": (zero, one), "angle": (down, -right)}
+        columns["scale"] = (right / camera.scale, down / camera.scale)
+    else:
+        by_place = camera.jacobian(points) @ camera.rotation.T
+        arms = points @ camera.rotation.T
+        for axis, letter in enumerate("xyz"):
+            columns[f"t{letter}"] = tuple(by_place[:, :, axis].T)
+            turned = np.cross(np.eye(3)[axis], arms)
+            columns[f"r{letter}"] = tuple(np.einsum("nij,nj->in", by_place, turned))
+    return np.stack([np.stack(columns[name], axis=1) for name in names], axis=2)
+
+
+def move(camera: Placeable, names: Sequence[str], steps: Floats) -> Placeable:
+    """Return the camera whose parameters differ by some steps."""
+    by_name = dict(zip(names, (float(step) for step in steps), strict=True))
+    if isinstance(camera, FrontParallel):
+        u0, v0, angle, scale = (by_name.get(name, 0.0) for name in _FRONT_PARALLEL)
+        origin = (camera.origin[0] + u0, camera.origin[1] + v0)
+        return FrontParallel(camera.scale + scale, origin, camera.angle + angle)
+    import cv2
+
+    rx, ry, rz, dx, dy, dz = (by_name.get(name, 0.0) for name in _PINHOLE)
+    turn = np.asarray(cv2.Rodrigues(np.array([rx, ry, rz]))[0])
+    tx, ty, tz = camera.translation
+    return posed(camera, turn @ camera.rotation, np.array([tx + dx, ty + dy, tz + dz]))

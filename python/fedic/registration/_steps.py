@@ -1,0 +1,232 @@
+"""The steps of a registration: the target, the points, the features, each checked before the next."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fedic._core import Mesh, Pinhole
+from fedic._internal.types import Floats, Image
+from fedic.cameras.poses import posed
+from fedic.errors import CameraError, ImageError, SolveError
+from fedic.registration._covariance import check_determined
+from fedic.registration._edges import Strip, across_jacobian, prepare_strip
+from fedic.registration._features import BoundaryFeature
+from fedic.registration._fit import fit_edges, fit_pairs
+from fedic.registration._pairs import Pairs, Place, pinhole_from_pairs
+from fedic.registration._pose import Placeable
+from fedic.registration._problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
+from fedic.registration._sampling import sample_feature
+from fedic.registration._search import nearby
+from fedic.registration._space import in_space
+from fedic.registration._target import start_on_target
+
+__all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
+
+_BLOCK_PX = 12.0
+_FEWEST_SEEN = 0.5
+"""Part of the pieces of a feature that must show an edge."""
+_POOREST_EDGE_PX = 3.0
+_UNSETTLED_PX = 0.5
+_LEAST_IN_IMAGE = 0.3
+_POSE = 6
+
+
+def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
+    """Fit the points, from the start or, where the whole pose is free, from the poses that their plane allows.
+
+    Raises
+    ------
+    CameraError, SolveError
+        If none of them sees the points and leads to a pose that they determine: what the first one lacks.
+    """
+    starts = [estimate]
+    if estimate.place is None and isinstance(estimate.camera, Pinhole) and len(problem.names) == _POSE:
+        points = np.concatenate([pairs.points for pairs in problem.pairs])
+        together = Pairs(points, np.concatenate([pairs.pixels for pairs in problem.pairs]))
+        starts = [Estimate(camera) for camera in pinhole_from_pairs(estimate.camera, together)] or starts
+    fits: list[Estimate] = []
+    faults: list[CameraError | SolveError] = []
+    for start in starts:
+        try:
+            check_determined(pair_groups(start, problem), unknowns_of(start, problem.names))
+            fits.append(fit_pairs(start, problem))
+        except (CameraError, SolveError) as fault:
+            faults.append(fault)
+    if not fits:
+        raise faults[0]
+    return min(fits, key=lambda each: _misfit(each, problem))
+
+
+def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, place: Place, *, turned: bool) -> Pairs:
+    """Take the points of a target to the frame of the mesh; upside down where that is nearer to the start.
+
+    Parameters
+    ----------
+    mesh, start, problem
+        The mesh, the rough start, and the problem without points.
+    found : Pairs
+        In the frame of the target.
+    place : Place
+        Of the target on the mesh.
+    turned : bool
+        Whether the target may have been read upside down.
+
+    Raises
+    ------
+    CameraError
+        If that is to be decided and the start does not see the mesh.
+    """
+    readings = [replace(found, points=place.carry(found.points), placed=True)]
+    if not turned:
+        return readings[0]
+    nodes = used_points(mesh)
+    wanted = start.camera.project(nodes)
+    if not np.isfinite(wanted).all():
+        raise CameraError(
+            "camera: this target can be read in two directions, and the start, which should tell them apart, does not "
+            "see the mesh; give a rough pose."
+        )
+    ends = found.points.min(axis=0) + found.points.max(axis=0)
+    upside_down = np.array([-1.0, -1.0, 1.0]) * found.points + ends * [1.0, 1.0, 0.0]
+    readings.append(replace(found, points=place.carry(upside_down), placed=True))
+
+    def distance(reading: Pairs) -> float:
+        camera = from_pairs(start, replace(problem, pairs=[reading])).camera
+        away = np.linalg.norm(camera.project(nodes) - wanted, axis=1)
+        return float(np.median(np.where(np.isfinite(away), away, np.inf)))
+
+    return min(readings, key=distance)
+
+
+def on_plane_of_target(mesh: Mesh, estimate: Estimate, problem: Problem, pairs: Pairs) -> Estimate:
+    """Put the mesh on the plane of a target, as near as possible to where the start has it.
+
+    Raises
+    ------
+    CameraError
+        If a part of the pose is held.
+    """
+    if len(problem.names) < _POSE:
+        raise CameraError("free: a target whose place on the mesh is unknown determines all of rx ry rz tx ty tz.")
+    alone = replace(problem, pairs=(replace(pairs, placed=True),))
+    on_target, start = from_pairs(estimate, alone).camera, estimate.camera
+    assert isinstance(on_target, Pinhole)
+    assert isinstance(start, Pinhole)
+    return Estimate(*start_on_target(start, on_target, used_points(mesh)))
+
+
+def from_features(
+    mesh: Mesh, wanted: Sequence[BoundaryFeature], estimate: Estimate, problem: Problem, search: float
+) -> tuple[Estimate, list[Group], Problem]:
+    """Bring features to their edges, from a start that is searched for unless points on the mesh give it.
+
+    Returns
+    -------
+    Estimate
+        The unknowns.
+    list of Group
+        Rows at the end: one for each feature, then those of the points.
+    Problem
+        With the features.
+
+    Raises
+    ------
+    CameraError
+        If the start puts a feature out of the image.
+    ImageError
+        If a feature is not found.
+    SolveError
+        If the features and points do not determine the unknowns.
+    """
+    unknowns = unknowns_of(estimate, problem.names)
+    problem = replace(problem, strips=_strips(mesh, wanted, problem.image, estimate.camera, search))
+    _check_geometry(estimate, problem, unknowns)
+    near = _from_placed_pairs(estimate, problem)
+    if near is None:
+        names = problem.names if estimate.place is None else ("rz", "tx", "ty")
+        camera = nearby(problem.image, estimate.camera, problem.strips, names, search)
+        near = Estimate(camera) if estimate.place is None else _back_on_plane(mesh, estimate, camera)
+    problem = replace(problem, strips=_strips(mesh, wanted, problem.image, near.camera, search))
+    estimate, groups, motion = fit_edges(near, problem)
+    _check_found(problem.strips, groups, search)
+    if motion > _UNSETTLED_PX:
+        raise SolveError(
+            f"The features do not come to rest on their edges: the last step was still {motion:.2g} px. Give "
+            "other or more features, or hold parameters with free=(...)."
+        )
+    check_determined(groups, unknowns)
+    return estimate, groups, problem
+
+
+def used_points(mesh: Mesh) -> Floats:
+    """Return the nodes of the cells, shape (n, 3)."""
+    return in_space(mesh.points[mesh.used_nodes])
+
+
+def _misfit(estimate: Estimate, problem: Problem) -> float:
+    return sum(float(group.residuals @ group.residuals) for group in pair_groups(estimate, problem))
+
+
+def _from_placed_pairs(estimate: Estimate, problem: Problem) -> Estimate | None:
+    """Return the pose of the points alone; None where they do not determine it."""
+    if not problem.pairs or not all(pairs.placed for pairs in problem.pairs):
+        return None
+    try:
+        return from_pairs(estimate, problem)
+    except SolveError:
+        return None
+
+
+def _back_on_plane(mesh: Mesh, estimate: Estimate, near: Placeable) -> Estimate:
+    """Take over the place a search found, on the plane of the target."""
+    place, camera = estimate.place, estimate.camera
+    assert place is not None
+    assert isinstance(camera, Pinhole)
+    assert isinstance(near, Pinhole)
+    translation = np.asarray(camera.translation) + camera.rotation @ [place.x, place.y, 0.0]
+    return Estimate(*start_on_target(near, posed(camera, camera.rotation @ place.turn, translation), used_points(mesh)))
+
+
+def _strips(
+    mesh: Mesh, wanted: Sequence[BoundaryFeature], image: Image, camera: Placeable, search: float
+) -> list[Strip]:
+    height, width = image.shape
+    strips = []
+    for feature in wanted:
+        samples = sample_feature(mesh, feature, camera, _BLOCK_PX)
+        seen = camera.project(samples.points)
+        inside = np.all((seen >= -search) & (seen <= np.array([width, height]) - 1.0 + search), axis=1)
+        if inside.mean() < _LEAST_IN_IMAGE:
+            u, v = seen.mean(axis=0)
+            raise CameraError(
+                f"camera: the start puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), out of the image of "
+                f"{width} x {height} px; correct the start."
+            )
+        strips.append(prepare_strip(feature.name, mesh, samples, camera))
+    return strips
+
+
+def _check_geometry(estimate: Estimate, problem: Problem, unknowns: tuple[str, ...]) -> None:
+    """Check, before the search, that perfect edges would determine the pose."""
+    groups = pair_groups(estimate, problem)
+    for strip in problem.strips:
+        rows = for_all_unknowns(estimate, across_jacobian(estimate.camera, strip, problem.names))
+        groups.append(Group(np.zeros(len(rows)), rows, np.ones(len(rows), dtype=bool), 1.0))
+    check_determined(groups, unknowns)
+
+
+def _check_found(strips: Sequence[Strip], groups: Sequence[Group], search: float) -> None:
+    for strip, group in zip(strips, groups, strict=False):
+        count, total = int(group.used.sum()), len(group.used)
+        if count < _FEWEST_SEEN * total:
+            how = f"{count} of its {total} pieces show an edge"
+        elif group.noise > _POOREST_EDGE_PX:
+            how = f"the edges near it scatter by {group.noise:.1f} px"
+        else:
+            continue
+        raise ImageError(
+            f"The feature {strip.name!r} is not found in the image: {how}. The start may be more than search = "
+            f"{search:g} px away (give a better one, point pairs, or a larger search), the image may not show it, or "
+            "the specimen may differ from the mesh."
+        )

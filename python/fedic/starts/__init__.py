@@ -1,0 +1,1 @@
+"""Initial displacement fields for large motions."""

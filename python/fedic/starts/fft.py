@@ -1,0 +1,151 @@
+"""A start for large motions: one displacement for the whole mesh, by normalised cross-correlation."""
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._core import Mesh
+from fedic._internal.types import Camera, Floats, Image
+from fedic.errors import SolveError
+
+__all__ = ["translation_start", "uniform_start"]
+
+_COARSE_SIDE = 1024
+_SMALLEST_WINDOW = 8
+_WINDOWS, _WINDOW_SHARE = 3, 0.3
+"""Windows tried along each side of the image by `translation_start`, and the part of the side that one covers."""
+
+
+def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera) -> Floats:
+    """Find the whole-pixel shift of the mesh's window between two images, as a displacement of the nodes.
+
+    The window is searched over the whole deformed image, at a coarse scale if the images are large, then refined.
+
+    Parameters
+    ----------
+    reference, deformed : ndarray, shape (height, width)
+        The two images, of the same shape.
+    mesh : Mesh
+        Its used nodes, projected in the reference image, bound the window.
+    camera : camera
+        Turns the shift in pixels into the displacement of each node, in the plane of the mesh's mean ``z``.
+
+    Returns
+    -------
+    ndarray of float, shape (n, 2)
+        In the mesh's unit; zero at nodes of no cell.
+
+    Raises
+    ------
+    SolveError
+        If the window is too small, or shows no texture.
+    """
+    points = mesh.points
+    used = mesh.used_nodes
+    pixels = camera.project(points)
+    shift, _ = _window_shift(reference, deformed, pixels[used])
+    z = float(points[used, 2].mean()) if points.shape[1] == 3 else 0.0
+    start = np.zeros((len(points), 2))
+    start[used] = (camera.unproject(pixels[used] + shift, z) - camera.unproject(pixels[used], z))[:, :2]
+    return start
+
+
+def translation_start(reference: Image, moved: Image, mesh: Mesh, camera: Camera) -> Floats:
+    """Find the whole-pixel motion of a specimen between two images, however little of it stays in view.
+
+    Windows of a third of the image's sides, spread over what the mesh covers of the image, are searched for in the
+    moved image: the one found best tells the motion.
+
+    Parameters
+    ----------
+    reference, moved : ndarray, shape (height, width)
+        The two images, of the same shape.
+    mesh : Mesh
+        The specimen.
+    camera : camera
+        Turns the shift in pixels into a translation in the plane of the mesh's mean ``z``.
+
+    Returns
+    -------
+    ndarray of float, shape (2,)
+        Translation along ``X`` and ``Y``, in the mesh's unit.
+
+    Raises
+    ------
+    SolveError
+        If the mesh covers too little of the image, or shows no texture.
+    """
+    points = mesh.points[mesh.used_nodes]
+    limits = np.array([reference.shape[1], reference.shape[0]], dtype=np.float64)
+    pixels = camera.project(points)
+    low, high = np.clip(pixels.min(axis=0), 0.0, limits), np.clip(pixels.max(axis=0), 0.0, limits)
+    size = np.minimum(high - low, np.maximum(_WINDOW_SHARE * limits, 2.0 * _SMALLEST_WINDOW))
+    found = []
+    for along_u, along_v in product(np.linspace(0.0, 1.0, _WINDOWS), repeat=2):
+        corner = low + (along_u, along_v) * (high - low - size)
+        shift, score = _window_shift(reference, moved, np.array([corner, corner + size - 1.0]))
+        found.append((score, corner + 0.5 * size, shift))
+    _, centre, shift = max(found, key=lambda each: each[0])
+    z = float(points[:, 2].mean()) if points.shape[1] == 3 else 0.0
+    here, there = camera.unproject(np.array([centre, centre + shift]), z)[:, :2]
+    motion: Floats = there - here
+    return motion
+
+
+def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> tuple[NDArray[np.int64], float]:
+    """Return the shift (u, v) of the window around `pixels`, and its score: the correlation there."""
+    import cv2
+
+    f, g = reference.astype(np.float32), deformed.astype(np.float32)
+    height, width = f.shape
+    step = max(height, width) / _COARSE_SIDE
+    if step <= 1.0:
+        return _best_shift(f, g, pixels)
+    size = (round(width / step), round(height / step))
+    coarse_f, coarse_g = (
+        np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.float32) for image in (f, g)
+    )
+    guess = np.rint(_best_shift(coarse_f, coarse_g, pixels / step)[0] * step).astype(np.int64)
+    return _best_shift(f, g, pixels, near=guess, reach=int(np.ceil(step)) + 2)
+
+
+def _best_shift(
+    f: NDArray[np.float32],
+    g: NDArray[np.float32],
+    pixels: Floats,
+    near: NDArray[np.int64] | None = None,
+    reach: int = 0,
+) -> tuple[NDArray[np.int64], float]:
+    """Return the shift (u, v) of the window around `pixels` and its score; `near` and `reach` restrict the search."""
+    import cv2
+
+    height, width = f.shape
+    low, high = _window(pixels, width, height)
+    window = f[low[1] : high[1], low[0] : high[0]]
+    if float(window.std()) == 0.0:
+        raise SolveError('initial="fft": the reference image has no texture under the mesh; check mesh and camera.')
+    first, last = np.zeros(2, dtype=np.int64), np.array([width, height])
+    if near is not None:
+        first = np.maximum(low + near - reach, 0)
+        last = np.minimum(high + near + reach, last)
+    score = np.asarray(cv2.matchTemplate(g[first[1] : last[1], first[0] : last[0]], window, cv2.TM_CCOEFF_NORMED))
+    score = np.where(np.isfinite(score) & (score <= 1.0 + 1e-3), score, -1.0)  # flat areas divide by zero
+    v, u = np.unravel_index(int(np.argmax(score)), score.shape)
+    shift: NDArray[np.int64] = first + np.array([u, v]) - low
+    return shift, float(score[v, u])
+
+
+def _window(pixels: Floats, width: int, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Bound the pixels, keeping at most the central half image so that the window can be searched for."""
+    limits = np.array([width, height])
+    low = np.clip(np.floor(pixels.min(axis=0)), 0, limits).astype(np.int64)
+    high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, limits).astype(np.int64)
+    surplus = np.maximum((high - low) - limits // 2, 0)
+    low, high = low + surplus // 2, high - (surplus - surplus // 2)
+    if (high - low < _SMALLEST_WINDOW).any():
+        raise SolveError(
+            f'initial="fft": the mesh covers only {high[0] - low[0]} x {high[1] - low[1]} px of the image; '
+            f'at least {_SMALLEST_WINDOW} px each way are needed: use initial="pyramid" or check the camera.'
+        )
+    return low, high
