@@ -8,18 +8,36 @@ from numpy.typing import NDArray
 
 import fedic
 
-SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+REPOSITORY = Path(__file__).resolve().parents[1]
+SHARED = REPOSITORY.parent / "shared"
 
 
-@pytest.fixture
-def shared_data() -> Callable[[str], Path]:
+def _finder(folder: Path) -> Callable[[str], Path]:
     def find(name: str) -> Path:
-        path = SHARED_DATA / name
+        path = folder / name
         if not path.exists():
-            pytest.skip(f"needs {name}, which is not in {SHARED_DATA}")
+            pytest.skip(f"needs {name}, which is not in {folder}")
         return path
 
     return find
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """Return the root of the repository."""
+    return REPOSITORY
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Callable[[str], Path]:
+    """Return a function that finds a file of real images and meshes, or skips the test if it is absent."""
+    return _finder(SHARED / "data")
+
+
+@pytest.fixture(scope="session")
+def shared_reference() -> Callable[[str], Path]:
+    """Return a function that finds a file of reference results, or skips the test if it is absent."""
+    return _finder(SHARED / "reference")
 
 
 @pytest.fixture(scope="session")

@@ -238,7 +238,7 @@ class Correlator:
         - The noise of the reference image adds to its gradient: with a noise of a third of the gradient and no
           smoothing, the scatter is 1.25 times the prediction.
 
-        These figures are those of ``fedic experiment noise`` and of ``tests/test_uncertainty.py``. The cost is one
+        These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The cost is one
         solution of the system per unknown, shared by the threads.
         """
         return self._core.standard_deviations(self._reference, noise)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from plate_scenes import LENGTH, WIDTH, Plate, WithTarget, plate_mesh, signs, wrong
+from scenes.plate import LENGTH, WIDTH, Plate, WithTarget, plate_mesh, signs, wrong
 from typer.testing import CliRunner
 
 import fedic

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from plate_scenes import signs, wrong
+from scenes.plate import signs, wrong
 from scipy.ndimage import map_coordinates
 from test_real_images import AS_THE_PEER, open_hole_camera
 

@@ -126,8 +126,10 @@ def demo_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_lines_of_the_readme_run(demo_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    readme = (Path(__file__).parents[1] / "README.md").read_text()
+def test_the_lines_of_the_readme_run(
+    demo_folder: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readme = (repository / "README.md").read_text()
     lines = readme.split("```python\n")[1].split("```")[0]
     monkeypatch.chdir(demo_folder.parent)
     names: dict[str, Any] = {}

@@ -125,8 +125,8 @@ def test_missing_files_are_reported_before_any_work(folder: Path) -> None:
         load(folder, VALID.replace(rectangle, '[mesh]\nfile = "plate.msh"\n'))
 
 
-def test_the_example_shows_every_key() -> None:
-    text = (Path(__file__).parents[1] / "examples" / "openhole.toml").read_text()
+def test_the_example_shows_every_key(repository: Path) -> None:
+    text = (repository / "examples" / "openhole.toml").read_text()
     lines = {line.lstrip("# ").split(" = ")[0] for line in text.splitlines()}
     sections = {line.lstrip("# ") for line in text.splitlines()}
 
@@ -144,8 +144,11 @@ def test_the_example_shows_every_key() -> None:
     assert {"[images]", "[mesh]", "[camera]", "[camera.distortion]", "[correlation]", "[output]"} <= sections
 
 
-def test_the_open_hole_camera_projects_as_the_reference_says(shared_data: Callable[[str], Path]) -> None:
-    known = np.load(shared_data("openhole").parents[1] / "reference" / "openhole_pyxel.npz")
-    config = load_config(Path(__file__).parents[1] / "examples" / "openhole.toml")
+def test_the_open_hole_camera_projects_as_the_reference_says(
+    repository: Path, shared_data: Callable[[str], Path], shared_reference: Callable[[str], Path]
+) -> None:
+    shared_data("openhole")
+    known = np.load(shared_reference("openhole_pyxel.npz"))
+    config = load_config(repository / "examples" / "openhole.toml")
     pixels = config.camera.build().project(config.mesh.build().points)
     np.testing.assert_allclose(pixels, np.column_stack([known["u_px"], known["v_px"]]), rtol=0, atol=1e-6)

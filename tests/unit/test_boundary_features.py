@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from plate_scenes import CENTRE, LENGTH, RADIUS, WIDTH, plate_mesh
+from scenes.plate import CENTRE, LENGTH, RADIUS, WIDTH, plate_mesh
 
 import fedic
 from fedic.registration._sampling import sample_feature

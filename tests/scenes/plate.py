@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
-from target_scenes import Texture
+from scenes.targets import Texture
 
 import fedic
 from fedic.calibration import Target

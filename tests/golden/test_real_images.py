@@ -26,11 +26,8 @@ def open_hole_camera(unit: float = 1.0) -> fedic.Pinhole:
 
 
 @pytest.fixture(scope="module")
-def peer() -> dict[str, np.ndarray]:
-    path = Path(__file__).resolve().parents[2] / "shared" / "reference" / "openhole_pyxel.npz"
-    if not path.exists():
-        pytest.skip(f"needs {path.name}, which is not in {path.parent}")
-    with np.load(path) as arrays:
+def peer(shared_reference: Shared) -> dict[str, np.ndarray]:
+    with np.load(shared_reference("openhole_pyxel.npz")) as arrays:
         return dict(arrays)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from plate_scenes import LENGTH, Plate, plate_mesh, wrong
+from scenes.plate import LENGTH, Plate, plate_mesh, wrong
 
 import fedic
 from fedic.registration import _edges as edges

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from target_scenes import CENTRE, FOCAL, SHAPE, Texture, poses
+from scenes.targets import CENTRE, FOCAL, SHAPE, Texture, poses
 from typer.testing import CliRunner
 
 import fedic

@@ -1,0 +1,1 @@
+"""Scenes that several tests render: their textures, meshes and cameras."""
