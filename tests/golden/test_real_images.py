@@ -2,27 +2,15 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import fedic
+from scenes.open_hole import PYXEL_OPTIONS, open_hole_camera
 
 FRAMES = ["0054", "0058", "0062", "0066", "0070"]
-AS_THE_PEER: dict[str, Any] = {
-    "interpolation": "bspline3", "smoothing": 0.0, "quadrature": fedic.MeshQuadrature(rule="edges")
-}  # fmt: skip
-"""What the reference was made with."""
 Shared = Callable[[str], Path]
-
-
-def open_hole_camera(unit: float = 1.0) -> fedic.Pinhole:
-    """Return the camera of the reference, a scale of 1 / 0.000095 px/m and a turn; `unit` is 1000 for millimetres."""
-    angle = -1.573863
-    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
-    translation = unit * np.array([0.081188, 0.096383, 0.000095])
-    return fedic.Pinhole((1, 1), (0, 0), rotation=turn @ np.diag([1.0, -1.0, -1.0]), translation=tuple(translation))
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +31,7 @@ def test_open_hole_agrees_with_the_reference(
     mesh = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
     camera = open_hole_camera()
     np.testing.assert_allclose(camera.project(mesh.points), np.c_[peer["u_px"], peer["v_px"]], atol=1e-6)
-    result = fedic.correlate(frame("0053"), frame(number), mesh, camera, initial="pyramid", **AS_THE_PEER)
+    result = fedic.correlate(frame("0053"), frame(number), mesh, camera, initial="pyramid", **PYXEL_OPTIONS)
     assert result.converged
     assert result.outside_cells.size == 0
     difference = np.linalg.norm(result.pixel_displacement - peer[f"disp_px_{number}"], axis=1)

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes.plate import signs, wrong
 from scipy.ndimage import map_coordinates
-from test_real_images import AS_THE_PEER, open_hole_camera
 
 import fedic
+from scenes.open_hole import PYXEL_OPTIONS, open_hole_camera
+from scenes.plate import signs, wrong
 
 SCALE = 1.0 / 0.000095
 REFERENCE = fedic.FrontParallel(SCALE, (0.081188 * SCALE, 0.096383 * SCALE), 1.573863)
@@ -122,8 +122,8 @@ def test_the_field_measured_with_it_is_the_same(
     """Measured: 0.2 % of the displacement in the median, 0.4 % root mean square, of a field of 7.6 px."""
     deformed = fedic.read_image(shared_data("openhole/zoom-0070_1.tif"))
     camera = fedic.register(mesh, image, wrong(REFERENCE, (1, 1, 1, 1)), features=FEATURES).camera
-    expected = fedic.correlate(image, deformed, mesh, REFERENCE, initial="pyramid", **AS_THE_PEER)
-    result = fedic.correlate(image, deformed, mesh, camera, initial="pyramid", **AS_THE_PEER)
+    expected = fedic.correlate(image, deformed, mesh, REFERENCE, initial="pyramid", **PYXEL_OPTIONS)
+    result = fedic.correlate(image, deformed, mesh, camera, initial="pyramid", **PYXEL_OPTIONS)
     same_places = camera.unproject(REFERENCE.project(mesh.points))[:, :2]
     found = result.at(same_places)
     inside = np.isfinite(found).all(axis=1)

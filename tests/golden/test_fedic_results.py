@@ -1,0 +1,35 @@
+"""Results of fedic itself, stored: a change of the code leaves them as they are."""
+
+import numpy as np
+import pytest
+
+from golden.cases import CASES, FEDIC_RESULTS, Arrays, measure
+
+TOLERANCE = 1e-9
+"""Pixels."""
+
+
+@pytest.fixture(scope="module")
+def stored() -> Arrays:
+    with np.load(FEDIC_RESULTS, allow_pickle=False) as arrays:
+        return dict(arrays)
+
+
+def test_every_stored_case_is_measured(stored: Arrays) -> None:
+    assert {key.partition(":")[0] for key in stored} == set(CASES)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_stored_result_is_reproduced(name: str, stored: Arrays) -> None:
+    case = CASES[name]
+    pixels = np.abs(case.camera.jacobian(case.mesh.points)).max()  # per mesh unit
+    expected = {key.partition(":")[2]: value for key, value in stored.items() if key.startswith(f"{name}:")}
+    found = measure(case)
+    assert found.keys() == expected.keys()
+    for key in ("displacement", "standard_deviations"):
+        if key in expected:
+            np.testing.assert_allclose(pixels * found[key], pixels * expected[key], rtol=0, atol=TOLERANCE)
+    for key in ("residual_rms", "cell_residuals"):
+        np.testing.assert_allclose(found[key], expected[key], rtol=1e-9)
+    assert found["num_points"] == expected["num_points"]
+    assert found["iterations"] == expected["iterations"]
