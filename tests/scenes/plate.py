@@ -4,10 +4,10 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
-from scenes.targets import Texture
 
 import fedic
 from fedic.calibration import Target
+from scenes.targets import Texture
 
 LENGTH, WIDTH, RADIUS = 60.0, 25.0, 5.0
 CENTRE = (33.0, 11.0)

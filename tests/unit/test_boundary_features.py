@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes.plate import CENTRE, LENGTH, RADIUS, WIDTH, plate_mesh
 
 import fedic
 from fedic.registration._sampling import sample_feature
+from scenes.plate import CENTRE, LENGTH, RADIUS, WIDTH, plate_mesh
 
 UNIT = fedic.FrontParallel(10.0)
 

@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes.targets import CENTRE, FOCAL, SHAPE, Texture, poses
 from typer.testing import CliRunner
 
 import fedic
 from fedic.calibration import calibrate_points, parse_target
 from fedic.cli import app
+from scenes.targets import CENTRE, FOCAL, SHAPE, Texture, poses
 
 RUNNER = CliRunner()
 BOARD = parse_target("chessboard:11x8:8")

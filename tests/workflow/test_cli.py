@@ -126,9 +126,7 @@ def demo_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_lines_of_the_readme_run(
-    demo_folder: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_lines_of_the_readme_run(demo_folder: Path, repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (repository / "README.md").read_text()
     lines = readme.split("```python\n")[1].split("```")[0]
     monkeypatch.chdir(demo_folder.parent)

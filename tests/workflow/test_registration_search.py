@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes.plate import LENGTH, Plate, plate_mesh, wrong
 
 import fedic
 from fedic.registration import _edges as edges
 from fedic.registration import _search as search
 from fedic.registration._sampling import sample_feature
 from fedic.registration._space import in_space
+from scenes.plate import LENGTH, Plate, plate_mesh, wrong
 
 MESH = plate_mesh()
 FEATURES = ["hole 0", "left", "right", "bottom", "top"]

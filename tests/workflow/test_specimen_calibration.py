@@ -1,9 +1,5 @@
 """The camera from the specimen itself: the paper's scene, Monte Carlo, and what the images do not tell."""
 
-import signal
-import subprocess
-import sys
-import textwrap
 import time
 from typing import Any
 
@@ -19,6 +15,7 @@ from fedic.experiments.lens_errors import measure
 from fedic.experiments.settings import DEFAULT
 from fedic.experiments.subjects import LEVELS, SPECKLE
 from fedic.starts.fft import translation_start
+from interruption import interrupt, read_line, script
 
 SHAPE = (180, 240)
 FOCAL, K1, CENTRE = 600.0, -0.2, (125.0, 86.0)
@@ -303,8 +300,8 @@ def test_the_experiment_in_its_quick_version() -> None:
     assert all(row["converged"] for row in outcome.rows)
 
 
-def test_ctrl_c_stops_a_calibration_within_a_second() -> None:
-    script = """
+def test_ctrl_c_stops_a_calibration_within_two_processor_seconds() -> None:
+    child = """
         import numpy as np, fedic
         spots = np.random.default_rng(0).integers(0, 255, (400, 400), dtype=np.uint8)
         image = np.kron(spots, np.ones((5, 5), np.uint8))
@@ -314,17 +311,13 @@ def test_ctrl_c_stops_a_calibration_within_a_second() -> None:
         print("ready", flush=True)
         try:
             fedic.calibrate_on_specimen(image, [moved], mesh, camera, ('k1',), translations=[(30, 30)], density=100.0)
+            print("finished", flush=True)
         except KeyboardInterrupt:
-            print("interrupted", flush=True)
+            print(seconds_since_signal(), flush=True)
     """
-    process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(script)], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    assert process.stdout.readline().strip() == "ready"
-    time.sleep(1.0)
-    start = time.perf_counter()
-    process.send_signal(signal.SIGINT)
-    assert process.stdout.readline().strip() == "interrupted"
-    elapsed = time.perf_counter() - start
-    assert process.wait(timeout=30) == 0
-    process.stdout.close()
-    assert elapsed < 1.0
+    with script(child) as process:
+        assert read_line(process) == "ready"
+        time.sleep(1.0)  # most likely in compiled code by now
+        interrupt(process)
+        assert float(read_line(process)) < 2.0
+        assert process.wait() == 0

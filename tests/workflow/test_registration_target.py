@@ -1,0 +1,113 @@
+"""Registration from a calibration target that lies on the specimen."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import fedic
+from fedic.calibration import parse_target
+from scenes.placed_plate import BARE, BLANK, BOARD, FRONT, MESH, PINHOLE, POINTS, SHAPE, errors, off
+from scenes.plate import Plate, WithTarget, signs, wrong
+
+PLACE = ((8.0, 8.0), 0.2)
+
+
+@pytest.fixture(scope="module")
+def image() -> NDArray[np.uint8]:
+    scene: Any = WithTarget(Plate(0.02), parse_target(BOARD), *PLACE)
+    return fedic.synthetic.render(scene, PINHOLE, SHAPE, noise=2.0)  # type: ignore[return-value]
+
+
+class TestTarget:
+    @pytest.mark.parametrize("sign", signs()[::5])
+    def test_placed_on_the_mesh(self, image: NDArray[np.uint8], sign: tuple[int, ...]) -> None:
+        origin, angle = PLACE
+        start = wrong(PINHOLE, sign)
+        found = fedic.register(MESH, image, start, target=BOARD, target_origin=origin, target_angle=angle)
+        assert off(found.camera, PINHOLE).max() < 0.15
+        assert len(found.residuals) == 28
+        assert np.all(np.abs(errors(found.camera, PINHOLE)) < 5.0 * np.array([*found.standard_deviations.values()]))
+
+    def test_a_thick_target_lies_above_the_mesh(self, image: NDArray[np.uint8]) -> None:
+        origin, angle = PLACE
+        kept: Any = {"target": BOARD, "target_origin": origin, "target_angle": angle}
+        thin = fedic.register(MESH, image, PINHOLE, **kept).camera
+        thick = fedic.register(MESH, image, PINHOLE, **kept, target_thickness=0.5).camera
+        raised = np.column_stack([POINTS, np.full(len(POINTS), 0.5)])
+        np.testing.assert_allclose(thick.project(raised), thin.project(POINTS), atol=1e-6)
+
+    @pytest.mark.parametrize("sign", signs()[::5])
+    def test_with_features_in_its_plane(self, image: NDArray[np.uint8], sign: tuple[int, ...]) -> None:
+        found = fedic.register(MESH, image, wrong(PINHOLE, sign), target=BOARD, features=["hole 0", "right"])
+        assert off(found.camera, PINHOLE).max() < 0.8
+        # The plane is the target's: the tilt is as well known as with the target alone.
+        assert max(found.standard_deviations[name] for name in ("rx", "ry")) < 1e-3
+        assert np.abs(errors(found.camera, PINHOLE)[:2]).max() < 2e-3
+        away = np.linalg.norm(found.points[-7:, :2].mean(axis=0) - found.points[:7, :2].mean(axis=0))
+        assert away == pytest.approx(6.0, rel=1e-9)
+
+    def test_with_points_in_its_plane(self, image: NDArray[np.uint8]) -> None:
+        pair = POINTS[[0, 11]], PINHOLE.project(POINTS[[0, 11]])
+        found = fedic.register(MESH, image, wrong(PINHOLE, (1, -1, -1, 1)), target=BOARD, points=pair)
+        assert off(found.camera, PINHOLE).max() < 0.15
+
+    @pytest.mark.parametrize(
+        ("options", "error", "message"),
+        [
+            ({"target": "chessboard:9x6:2"}, fedic.ImageError, r"target chessboard:9x6:2 is not found in the image: "),
+            ({"target": "chess:9x6:2"}, fedic.CameraError, "'chess' is unknown"),
+            ({"target_origin": None}, fedic.CameraError, r"where it lies on the mesh, target_origin=\(x, y\)"),
+            ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=nan: give .* both finite"),
+            ({"target_origin": 3.0}, fedic.CameraError, r"target_origin=3.0: give \(x, y\)"),
+            ({"target_origin": (1.0, 2.0, 3.0)}, fedic.CameraError, "target_origin=.* in the frame of the mesh"),
+            ({"target_origin": ("1", 2.0)}, fedic.CameraError, "target_origin='1': give .* both finite"),
+            ({"target_angle": "a"}, fedic.CameraError, "target_angle='a': give a finite angle in radians"),
+            ({"target_thickness": None}, fedic.CameraError, "target_thickness=None: give a finite height"),
+            ({"target": 7}, fedic.CameraError, "target: a int is no target"),
+            (
+                {"target_origin": None, "target_angle": 0.1, "features": ["hole 0"]},
+                fedic.CameraError,
+                "target_angle: it turns .* add target_origin",
+            ),
+            ({"target_thickness": np.inf}, fedic.CameraError, "target_thickness=inf: give a finite height"),
+            ({"camera": FRONT}, fedic.CameraError, "pose of a calibrated Pinhole, not of a FrontParallel"),
+            ({"camera": BARE}, fedic.CameraError, "read in two directions, and the start.* give a rough pose"),
+            (
+                {"target_origin": None, "features": ["hole 0", "right"], "free": ["tx", "ty"]},
+                fedic.CameraError,
+                "determines all of rx ry rz tx ty tz",
+            ),
+        ],
+    )
+    def test_what_is_refused(
+        self, image: NDArray[np.uint8], options: dict[str, Any], error: type[Exception], message: str
+    ) -> None:
+        given: dict[str, Any] = {"camera": PINHOLE, "target": BOARD, "target_origin": (8.0, 8.0), **options}
+        with pytest.raises(error, match=message):
+            fedic.register(MESH, image, **given)
+
+    @pytest.mark.parametrize(
+        "options",
+        [
+            {"target_origin": 3.0},
+            {"target_origin": None},
+            {"target_angle": np.nan},
+            {"target_thickness": "thick"},
+            {"search": "far"},
+        ],
+        ids=repr,
+    )
+    def test_is_not_searched_where_something_is_malformed(
+        self, options: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("fedic.registration._target.find_target", lambda *_: pytest.fail("the search was begun"))
+        given: dict[str, Any] = {"target": BOARD, "target_origin": (8.0, 8.0), **options}
+        with pytest.raises(fedic.CameraError):
+            fedic.register(MESH, BLANK, PINHOLE, **given)
+
+    def test_another_focal_length_is_noticed(self, image: NDArray[np.uint8]) -> None:
+        other = fedic.Pinhole((900, 500), (300, 200), PINHOLE.rotation, PINHOLE.translation)
+        with pytest.raises(fedic.ImageError, match=r"closer than .* px: .* another calibration"):
+            fedic.register(MESH, image, other, target=BOARD, target_origin=(8.0, 8.0))
