@@ -6,9 +6,8 @@
 use std::time::Duration;
 
 use criterion::Criterion;
-use fedic::{
-    BrownDistortion, CellType, ImageView, Mesh, Pinhole, Pixels, Speckle, rectangle_mesh, rotation_from_vector,
-};
+use fedic::{BrownDistortion, CellType, ImageView, Mesh, Pinhole, Pixels, rectangle_mesh, rotation_from_vector};
+use fedic_synthetic::Speckle;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 

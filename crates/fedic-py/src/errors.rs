@@ -1,6 +1,7 @@
 //! From the core's errors to the exceptions of `fedic.errors`, with the cells, nodes or key at fault.
 
 use fedic::{CameraError, Error, ImageError, MeshError, SolveError};
+use fedic_synthetic::SyntheticError;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -60,6 +61,17 @@ impl IntoPyErr for SolveError {
             | Self::TooManyPoints { .. } => vec![],
         };
         python::SolveError::new_err((message, nodes))
+    }
+}
+
+impl IntoPyErr for SyntheticError {
+    fn into_py_err(self) -> PyErr {
+        let message = self.to_string();
+        match self {
+            Self::InvalidOption { .. } => solve_error(message),
+            Self::NotVisible { .. } => camera_error(message),
+            _ => image_error(message),
+        }
     }
 }
 

@@ -26,14 +26,14 @@ use crate::worker::run;
 /// SolveError
 ///     If a parameter is out of its range.
 #[pyclass(frozen, module = "fedic._core")]
-pub(crate) struct Speckle(fedic::Speckle);
+pub(crate) struct Speckle(fedic_synthetic::Speckle);
 
 #[pymethods]
 impl Speckle {
     #[new]
     #[pyo3(signature = (size, *, coverage=0.5, seed=0))]
     fn new(size: f64, coverage: f64, seed: u64) -> PyResult<Self> {
-        fedic::Speckle::new(size, coverage, seed).map(Self).map_err(IntoPyErr::into_py_err)
+        fedic_synthetic::Speckle::new(size, coverage, seed).map(Self).map_err(IntoPyErr::into_py_err)
     }
 
     /// Mean diameter of the spots.

@@ -50,7 +50,6 @@ mod quadrature;
 mod results;
 mod self_calibration;
 mod solve;
-mod speckle;
 mod strain;
 
 pub use correlator::{Correlator, Start};
@@ -73,7 +72,6 @@ pub use results::solution::{Iteration, Solution};
 pub use self_calibration::{
     MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,
 };
-pub use speckle::Speckle;
 pub use strain::cell_strains;
 
 /// Components of the displacement at each node: the two in the plane of the mesh.

@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex};
 
 use common::{Motion, render, warped_mesh};
 use fedic::{
-    BrownDistortion, Camera, CellType, Correlator, Monitor, Options, Pinhole, Progress, Speckle, Start,
-    rotation_from_vector,
+    BrownDistortion, Camera, CellType, Correlator, Monitor, Options, Pinhole, Progress, Start, rotation_from_vector,
 };
+use fedic_synthetic::Speckle;
 
 /// A camera that counts the points it is asked for.
 struct Counting {

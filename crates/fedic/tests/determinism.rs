@@ -7,7 +7,8 @@ mod common;
 use std::sync::Arc;
 
 use common::{Motion, mixed_mesh, render};
-use fedic::{Brightness, Correlator, Hessian, Image, ImageFrame, Options, Quadrature, Rule, Solution, Speckle, Start};
+use fedic::{Brightness, Correlator, Hessian, Image, ImageFrame, Options, Quadrature, Rule, Solution, Start};
+use fedic_synthetic::Speckle;
 
 /// Everything in a solution that is a number, as bits: NaN equals NaN.
 fn bits(solution: &Solution) -> Vec<u64> {

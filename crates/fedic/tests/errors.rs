@@ -10,8 +10,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use common::{Motion, mixed_mesh, render, warped_mesh};
 use fedic::{
     CellType, Correlator, Error, FrontParallel, Image, ImageFrame, Interpolation, Mesh, Monitor, Options, Progress,
-    Quadrature, Rule, SolveError, Speckle, Start, rectangle_mesh,
+    Quadrature, Rule, SolveError, Start, rectangle_mesh,
 };
+use fedic_synthetic::Speckle;
 
 fn images() -> [Image; 2] {
     render(&ImageFrame, [90, 80], Speckle::new(5.0, 0.5, 4).unwrap(), Motion::translation([0.3, 0.2]))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use fedic::{
     Brightness, CellType, Correlator, Error, Gradient, Hessian, Image, ImageError, ImageFrame, Options, Quadrature,
-    Rule, SolveError, Speckle, rectangle_mesh,
+    Rule, SolveError, rectangle_mesh,
 };
 
 fn prepare(options: Options) -> Result<(), Error> {
@@ -84,17 +84,5 @@ fn choices_have_names() {
         ("".parse::<Hessian>().unwrap_err(), "hessian must be \"initial\" or \"updated\", got \"\""),
     ] {
         assert_eq!(error.to_string(), text);
-    }
-}
-
-#[test]
-fn a_speckle_out_of_range_is_refused() {
-    for (size, coverage, text) in [
-        (0.0, 0.5, "size must be a positive length, got 0"),
-        (f64::NAN, 0.5, "size must be a positive length, got NaN"),
-        (4.0, 0.05, "coverage must be between 0.1 and 0.7, got 0.05"),
-        (4.0, f64::NAN, "coverage must be between 0.1 and 0.7, got NaN"),
-    ] {
-        assert_eq!(Speckle::new(size, coverage, 1).unwrap_err().to_string(), text);
     }
 }

@@ -9,8 +9,9 @@ use std::sync::Arc;
 use common::{Motion, largest_error, render, warped_mesh};
 use fedic::{
     BrownDistortion, Camera, CellType, Correlator, FrontParallel, Hessian, Image, ImageFrame, Mesh, Options, Pinhole,
-    Quadrature, Rule, Solution, Speckle, Start, rotation_from_vector,
+    Quadrature, Rule, Solution, Start, rotation_from_vector,
 };
+use fedic_synthetic::Speckle;
 
 const QUADRATURES: [Quadrature; 4] = [
     Quadrature::Mesh { rule: Rule::Rotated, density: 1.0 },

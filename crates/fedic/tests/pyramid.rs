@@ -7,7 +7,8 @@ mod common;
 use std::sync::Arc;
 
 use common::{Motion, largest_error, mixed_mesh, render};
-use fedic::{Correlator, ImageFrame, Options, Speckle, Start};
+use fedic::{Correlator, ImageFrame, Options, Start};
+use fedic_synthetic::Speckle;
 
 #[test]
 fn the_pyramid_finds_what_zero_does_not() {

@@ -8,9 +8,8 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use common::{Motion, render, warped_mesh};
-use fedic::{
-    Camera, CellType, Correlator, FrontParallel, ImageFrame, Mesh, Options, Quadrature, Rule, Speckle, cell_areas,
-};
+use fedic::{Camera, CellType, Correlator, FrontParallel, ImageFrame, Mesh, Options, Quadrature, Rule, cell_areas};
+use fedic_synthetic::Speckle;
 
 fn points(camera: Arc<dyn Camera>, mesh: &Mesh, quadrature: Quadrature) -> (Vec<[f64; 3]>, Vec<f64>, Vec<usize>) {
     let speckle = Speckle::new(5.0, 0.5, 2).unwrap();

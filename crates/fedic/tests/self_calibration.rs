@@ -4,9 +4,10 @@
 
 use fedic::{
     BrownDistortion, CellType, Error, Image, Mesh, Monitor, MotionKind, Parameter, Pinhole, SelfCalibration,
-    SelfCalibrationError, SelfCalibrationOptions, SolveError, Speckle, calibrate_on_specimen, rectangle_mesh,
+    SelfCalibrationError, SelfCalibrationOptions, SolveError, calibrate_on_specimen, rectangle_mesh,
     rotation_from_vector, unproject,
 };
+use fedic_synthetic::Speckle;
 
 const K1: f64 = -0.25;
 const CENTRE: [f64; 2] = [83.0, 57.0];

@@ -168,7 +168,9 @@ mod tests {
     use crate::equations::image_term::Evaluator;
     use crate::results::covariance::standard_deviations;
     use crate::solve::gauss_newton::Iterations;
-    use crate::{Brightness, COMPONENTS, Hessian, Options, Speckle};
+    use fedic_synthetic::Speckle;
+
+    use crate::{Brightness, COMPONENTS, Hessian, Options};
 
     const SIZE: usize = 240;
 

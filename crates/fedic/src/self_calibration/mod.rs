@@ -55,9 +55,10 @@ use crate::{Error, Monitor};
 ///
 /// ```
 /// use fedic::{
-///     BrownDistortion, CellType, Image, Parameter, Pinhole, SelfCalibrationOptions, Speckle, calibrate_on_specimen,
+///     BrownDistortion, CellType, Image, Parameter, Pinhole, SelfCalibrationOptions, calibrate_on_specimen,
 ///     rectangle_mesh, unproject,
 /// };
+/// use fedic_synthetic::Speckle;
 ///
 /// // A speckled plane before a lens, at rest and moved twice.
 /// let upright = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];

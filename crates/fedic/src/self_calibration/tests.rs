@@ -11,7 +11,8 @@ use crate::self_calibration::motion::{Motion, MotionKind};
 use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::sums::Sums;
 use crate::self_calibration::view::{Frames, View};
-use crate::{Gradient, Sampler, Speckle};
+use crate::{Gradient, Sampler};
+use fedic_synthetic::Speckle;
 
 const SIZE: [usize; 2] = [150, 120];
 const PARAMETERS: [Parameter; 6] =

@@ -174,7 +174,8 @@ mod tests {
     use super::*;
     use crate::equations::unknowns::System;
     use crate::observation::level::{Level, LevelSettings};
-    use crate::{Brightness, Options, Sampler, Speckle};
+    use crate::{Brightness, Options, Sampler};
+    use fedic_synthetic::Speckle;
 
     const SIZE: usize = 400;
     const BOUNDS: [f64; 4] = [20.0, 20.0, 380.0, 380.0];

@@ -3,7 +3,8 @@
 // Every test file compiles its own copy and uses a part of it.
 #![allow(dead_code)]
 
-use fedic::{Camera, CellType, Image, Mesh, Speckle, rectangle_mesh, unproject};
+use fedic::{Camera, CellType, Image, Mesh, rectangle_mesh, unproject};
+use fedic_synthetic::Speckle;
 
 /// A motion of the plane: `X` goes to `centre + gradient (X - centre) + shift`.
 #[derive(Clone, Copy)]

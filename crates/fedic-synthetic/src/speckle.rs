@@ -1,8 +1,9 @@
-//! A synthetic speckle: a continuous texture of the physical plane, known at any point.
+//! A synthetic speckle: a continuous texture, defined at any point of the plane.
 
 use rayon::prelude::*;
 
-use crate::SolveError;
+use crate::error::SyntheticError;
+use crate::random::{INCREMENT, mix};
 
 /// Spots of paint on a regular grid of squares, one per square, each of random place, radius and darkness.
 ///
@@ -13,11 +14,11 @@ use crate::SolveError;
 /// # Examples
 ///
 /// ```
-/// use fedic::Speckle;
+/// use fedic_synthetic::Speckle;
 /// let speckle = Speckle::new(4.0, 0.5, 7)?;
 /// let grey = speckle.value([12.3, -4.5]);
 /// assert!((0.0..=1.0).contains(&grey) && grey == Speckle::new(4.0, 0.5, 7)?.value([12.3, -4.5]));
-/// # Ok::<(), fedic::SolveError>(())
+/// # Ok::<(), fedic_synthetic::SyntheticError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Speckle {
@@ -42,10 +43,10 @@ impl Speckle {
     ///
     /// # Errors
     ///
-    /// [`SolveError::InvalidOption`] where the size is not positive or the coverage not between 0.1 and 0.7.
-    pub fn new(size: f64, coverage: f64, seed: u64) -> Result<Self, SolveError> {
+    /// [`SyntheticError::InvalidOption`] where the size is not positive or the coverage not between 0.1 and 0.7.
+    pub fn new(size: f64, coverage: f64, seed: u64) -> Result<Self, SyntheticError> {
         let refuse = |option, expected, value: f64| {
-            Err(SolveError::InvalidOption { option, expected, value: value.to_string() })
+            Err(SyntheticError::InvalidOption { option, expected, value: value.to_string() })
         };
         if !(size.is_finite() && size > 0.0) {
             return refuse("size", "a positive length", size);
@@ -185,15 +186,10 @@ impl<'a> SpotTable<'a> {
     }
 }
 
-/// Four numbers in `[0, 1)` of a square of the grid (the finaliser of SplitMix64 on its coordinates).
+/// Four random numbers in `[0, 1)`, a function of the seed and of the square of the grid.
 fn random(seed: u64, column: i64, row: i64) -> [f64; 4] {
-    let mix = |mut z: u64| {
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    let square = mix(mix(seed.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ column as u64).wrapping_add(row as u64));
-    let second = mix(square.wrapping_add(0x9e37_79b9_7f4a_7c15));
+    let square = mix(mix(seed.wrapping_add(INCREMENT) ^ column as u64).wrapping_add(row as u64));
+    let second = mix(square.wrapping_add(INCREMENT));
     let unit = |bits: u64| (bits & 0xffff_ffff) as f64 / f64::from(u32::MAX) * (1.0 - 1e-9);
     [unit(square), unit(square >> 32), unit(second), unit(second >> 32)]
 }
