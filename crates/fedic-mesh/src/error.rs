@@ -1,29 +1,30 @@
-//! What can be wrong with a mesh.
+//! Errors of this crate.
 
 use thiserror::Error;
 
-use crate::CellType;
+use crate::{CellType, Rule};
 
-/// A mesh that cannot be used; every variant says which cell or node is at fault.
+/// A mesh that cannot be used. Variants name the cells or nodes at fault.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum MeshError {
-    /// No cell at all.
-    #[error("the mesh has no surface cells; give at least one triangle, quad, triangle6, quad8 or quad9")]
+    /// The mesh has no cells.
+    #[error("the mesh has no surface cells; give at least one cell of type {}", CellType::names("or"))]
     Empty,
-    /// A name that is none of the five cell types.
-    #[error("unknown cell type \"{name}\"; fedic measures on triangle, triangle6, quad, quad8 and quad9")]
+    /// A name that is not a cell type.
+    #[error("unknown cell type \"{name}\"; the cell types are {}", CellType::names("and"))]
     UnknownCellType {
         /// The name given.
         name: String,
     },
-    /// The connectivity does not have a whole number of cells.
+    /// The connectivity does not hold a whole number of cells.
     #[error(
         "cells of type {cell_type} need {} nodes each, but {found} were given", cell_type.num_nodes()
     )]
     WrongNodeCount {
         /// Type of the cells.
         cell_type: CellType,
-        /// Nodes found per cell, or in all where they do not divide.
+        /// Nodes found per cell, or in all.
         found: usize,
     },
     /// A node coordinate is NaN or infinite.
@@ -44,9 +45,9 @@ pub enum MeshError {
         /// Number of nodes of the mesh.
         num_points: usize,
     },
-    /// Cells of zero area, or folded so that their Jacobian changes sign.
+    /// Cells of zero area, or cells whose Jacobian changes sign.
     #[error(
-        "{} {} zero area or a Jacobian that changes sign (inverted, folded or nodes in the wrong order); mend the mesh there",
+        "{} {} zero area or a Jacobian that changes sign (inverted, folded or nodes in the wrong order); fix the mesh there",
         list_indices("cell", cells),
         if cells.len() == 1 { "has" } else { "have" }
     )]
@@ -54,7 +55,28 @@ pub enum MeshError {
         /// Indices of the cells over all blocks.
         cells: Vec<usize>,
     },
-    /// Bounds or size of a generated mesh make no sense.
+    /// A named set refers to a node or cell that does not exist.
+    #[error("set \"{name}\" refers to {kind} {index}, but the mesh has {count} {kind}s")]
+    SetOutOfRange {
+        /// Name of the set.
+        name: String,
+        /// "node" or "cell".
+        kind: &'static str,
+        /// The index it refers to.
+        index: u32,
+        /// Number of nodes or cells of the mesh.
+        count: usize,
+    },
+    /// A mesh is scaled by a factor that is not positive.
+    #[error("a mesh is scaled by a positive finite factor, got {factor}")]
+    InvalidScale {
+        /// The factor given.
+        factor: f64,
+    },
+    /// A matrix is not a rotation.
+    #[error("the rotation matrix must be orthonormal with determinant 1")]
+    InvalidRotation,
+    /// The bounds or the size of a rectangle mesh are out of range.
     #[error(
         "rectangle_mesh needs finite bounds (x0, y0, x1, y1) with x0 < x1 and y0 < y1 and a positive size; got {bounds:?} and {size}"
     )]
@@ -64,7 +86,7 @@ pub enum MeshError {
         /// The size given.
         size: f64,
     },
-    /// A generated mesh would have more nodes than can be numbered.
+    /// A rectangle mesh would have more nodes than can be numbered.
     #[error("a mesh of {cells:.3e} cells is too large; choose a larger element size")]
     TooLarge {
         /// Number of cells asked for.
@@ -72,7 +94,15 @@ pub enum MeshError {
     },
 }
 
-/// Names a list of indices in a sentence: "cells 3, 5, 8 and 40 more".
+/// A name that is not a quadrature rule.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("unknown quadrature rule \"{name}\"; choose one of {}", Rule::ALL.map(|rule| format!("\"{}\"", rule.name())).join(", "))]
+pub struct UnknownRule {
+    /// The name given.
+    pub name: String,
+}
+
+/// Formats a list of indices for a sentence: "cells 3, 5, 8 and 40 more".
 pub fn list_indices(noun: &str, indices: &[usize]) -> String {
     const SHOWN: usize = 8;
     let shown: Vec<String> = indices.iter().take(SHOWN).map(ToString::to_string).collect();

@@ -1,27 +1,32 @@
 //! Surface meshes for finite-element digital image correlation.
 //!
-//! Everything geometric that does not know of cameras or images: cell types and their shape functions, the mesh,
-//! the isoparametric map and its inverse, and the two families of quadrature points: sub-elements of a cell
-//! ([`Subdivision`]) and the pixels that fall in it ([`pixels_in_polygon`]).
+//! Cell types and their shape functions ([`CellType`]), meshes ([`Mesh`]), the isoparametric map and its inverse, fields on a
+//! mesh ([`cell_strains`], [`cell_areas`], [`interpolate_field`]) and the two families of quadrature points: sub-cells of a
+//! cell ([`Subdivision`]) and pixels inside it ([`pixels_in_polygon`]). Nothing here depends on cameras or images.
 //!
 //! Reference domains: the triangle `(0,0) (1,0) (0,1)` and the square `[-1, 1]^2`; node order is meshio's.
 
-mod cell;
+mod cells;
 mod error;
-mod generate;
+mod field;
 mod isoparametric;
 mod locate;
 mod mesh;
 mod pixels;
-mod shape;
+mod rectangle;
+mod rule;
 mod subdivision;
 
-pub use cell::{CellType, MAX_NODES};
-pub use error::{MeshError, list_indices};
-pub use generate::rectangle_mesh;
+pub use cells::{
+    CellData, CellType, CellVisitor, GmshElement, MAX_NODES, ReferenceDomain, shape_gradients, shape_values,
+    shape_values_batch,
+};
+pub use error::{MeshError, UnknownRule, list_indices};
+pub use field::{SurfaceGradients, cell_areas, cell_strains, interpolate_field, surface_gradients};
 pub use isoparametric::{inverse_map, jacobian, map};
 pub use locate::Locator;
-pub use mesh::{Cell, Mesh};
+pub use mesh::{Cell, Mesh, MeshSet};
 pub use pixels::pixels_in_polygon;
-pub use shape::{shape_gradients, shape_values, shape_values_batch};
-pub use subdivision::{Rule, Subdivision};
+pub use rectangle::rectangle_mesh;
+pub use rule::Rule;
+pub use subdivision::Subdivision;

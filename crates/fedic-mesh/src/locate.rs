@@ -1,13 +1,15 @@
-//! Which cell a point lies in, and where in that cell.
+//! Search for the cell that contains a point of the plane.
 
-use crate::{CellType, Mesh, inverse_map};
+use crate::{Mesh, inverse_map};
 
-/// How far outside the reference domain a point still counts as on the cell's edge.
+/// Tolerance in reference coordinates for points on the edge of a cell.
 const EDGE: f64 = 1e-9;
-/// How far a curved edge may lie outside the box of its nodes, as a fraction of the box.
+/// Margin for curved edges around the bounding box of a cell's nodes, as a fraction of the box.
 const BULGE: f64 = 0.25;
 
-/// A grid over the cells of a mesh that finds the cell of a point in the `(x, y)` plane.
+/// Finds the cell of a mesh that contains a point of the `(x, y)` plane, by a uniform grid of buckets.
+///
+/// Surfaces in space are searched in their projection onto that plane; cells perpendicular to it contain no point.
 #[derive(Debug, Clone)]
 pub struct Locator<'a> {
     mesh: &'a Mesh,
@@ -19,7 +21,7 @@ pub struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    /// Sorts the cells of `mesh` into a grid with about one cell per grid square.
+    /// Builds a grid with about one cell of `mesh` per bucket.
     pub fn new(mesh: &'a Mesh) -> Self {
         let boxes: Vec<[[f64; 2]; 2]> = (0..mesh.num_cells()).map(|c| bounding_box(mesh, c)).collect();
         let mut low = [f64::MAX; 2];
@@ -37,7 +39,7 @@ impl<'a> Locator<'a> {
         let mut locator =
             Self { mesh, low, per_length, shape, starts: vec![0; shape[0] * shape[1] + 1], cells: vec![] };
         for corners in &boxes {
-            locator.squares(corners).for_each(|s| locator.starts[s + 1] += 1);
+            locator.buckets(corners).for_each(|s| locator.starts[s + 1] += 1);
         }
         for s in 0..shape[0] * shape[1] {
             locator.starts[s + 1] += locator.starts[s];
@@ -45,7 +47,7 @@ impl<'a> Locator<'a> {
         let mut next = locator.starts.clone();
         locator.cells = vec![0; locator.starts[shape[0] * shape[1]]];
         for (cell, corners) in boxes.iter().enumerate() {
-            for s in locator.squares(corners) {
+            for s in locator.buckets(corners) {
                 locator.cells[next[s]] = cell as u32;
                 next[s] += 1;
             }
@@ -53,26 +55,26 @@ impl<'a> Locator<'a> {
         locator
     }
 
-    fn square(&self, x: f64, d: usize) -> usize {
+    fn bucket(&self, x: f64, d: usize) -> usize {
         (((x - self.low[d]) * self.per_length[d]).floor().max(0.0) as usize).min(self.shape[d] - 1)
     }
 
-    fn squares(&self, corners: &[[f64; 2]; 2]) -> impl Iterator<Item = usize> + use<> {
-        let columns = self.square(corners[0][0], 0)..=self.square(corners[1][0], 0);
-        let rows = self.square(corners[0][1], 1)..=self.square(corners[1][1], 1);
+    fn buckets(&self, corners: &[[f64; 2]; 2]) -> impl Iterator<Item = usize> + use<> {
+        let columns = self.bucket(corners[0][0], 0)..=self.bucket(corners[1][0], 0);
+        let rows = self.bucket(corners[0][1], 1)..=self.bucket(corners[1][1], 1);
         let width = self.shape[0];
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    /// The cell that holds `(x, y)` and the point's reference coordinates, or `None` outside the mesh.
+    /// Index of the cell that contains `(x, y)` and the point's reference coordinates, or `None` outside the mesh.
     ///
-    /// On a shared edge it is the cell of lowest index.
+    /// A point on a shared edge belongs to the cell of lowest index.
     pub fn find(&self, point: [f64; 2]) -> Option<(usize, [f64; 2])> {
         if !(point[0].is_finite() && point[1].is_finite()) {
             return None;
         }
-        let square = self.square(point[1], 1) * self.shape[0] + self.square(point[0], 0);
-        self.cells[self.starts[square]..self.starts[square + 1]].iter().find_map(|&cell| {
+        let bucket = self.bucket(point[1], 1) * self.shape[0] + self.bucket(point[0], 0);
+        self.cells[self.starts[bucket]..self.starts[bucket + 1]].iter().find_map(|&cell| {
             let cell = cell as usize;
             let corners = bounding_box(self.mesh, cell);
             if (0..2).any(|d| point[d] < corners[0][d] || point[d] > corners[1][d]) {
@@ -81,20 +83,12 @@ impl<'a> Locator<'a> {
             let (nodes, num_nodes) = self.mesh.cell_points_xy(cell);
             let cell_type = self.mesh.cell(cell).cell_type;
             let at = inverse_map(cell_type, &nodes[..num_nodes], point)?;
-            is_inside(cell_type, at).then_some((cell, at))
+            cell_type.data().domain.contains(at, EDGE).then_some((cell, at))
         })
     }
 }
 
-fn is_inside(cell_type: CellType, [x, y]: [f64; 2]) -> bool {
-    if cell_type.is_triangle() {
-        x >= -EDGE && y >= -EDGE && x + y <= 1.0 + EDGE
-    } else {
-        x.abs() <= 1.0 + EDGE && y.abs() <= 1.0 + EDGE
-    }
-}
-
-/// Lower and upper corner of a box that holds the cell, its curved edges included.
+/// Lower and upper corner of a box that contains the cell, including its curved edges.
 fn bounding_box(mesh: &Mesh, cell: usize) -> [[f64; 2]; 2] {
     let mut low = [f64::MAX; 2];
     let mut high = [f64::MIN; 2];
@@ -105,7 +99,7 @@ fn bounding_box(mesh: &Mesh, cell: usize) -> [[f64; 2]; 2] {
             high[d] = high[d].max(p[d]);
         }
     }
-    let curved = num_nodes > mesh.cell(cell).cell_type.num_corners();
+    let curved = mesh.cell(cell).cell_type.edge_intervals() > 1;
     let margin = if curved { BULGE } else { EDGE };
     for d in 0..2 {
         let m = margin * (high[d] - low[d]);

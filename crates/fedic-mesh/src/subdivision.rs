@@ -1,70 +1,37 @@
-//! Quadrature points inside a cell: the reference domain cut into equal sub-triangles or sub-quads (paper, Fig. 5).
+//! Quadrature points inside a cell: the reference domain divided into equal sub-cells (paper, Fig. 5).
 
-use std::str::FromStr;
+use crate::{CellType, Rule};
 
-use crate::CellType;
-
-/// How finely a cell is cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Rule {
-    /// Each direction of a quad by the whole pixels in the shorter of its two edges: about one point per pixel, never more
-    /// along an edge. A triangle by the root of 1.6 times its area: the centres of sub-triangles leave larger gaps, and it
-    /// takes as many points per pixel for the same noise.
-    Edges,
-    /// As many points as [`Edges`](Self::Edges), those of a quad on a grid turned about its centre by the angle that takes
-    /// the points across their parts from one end of the longer rows to the other. Points a pixel apart keep the same place in their pixels all along the
-    /// rows and columns of a cell, and the error of the interpolation there does not average out; turned, they sweep all
-    /// places.
-    #[default]
-    Rotated,
-    /// The paper's: every edge by the largest distance between two nodes, at least two points per pixel (four in a
-    /// triangle). In a quad also by the diagonals of the parallelograms that its corners span, longer where opposite edges
-    /// differ: no part is then longer than a pixel, and no pixel without a point.
-    Diameter,
-}
-
-impl FromStr for Rule {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        match name {
-            "edges" => Ok(Self::Edges),
-            "rotated" => Ok(Self::Rotated),
-            "diameter" => Ok(Self::Diameter),
-            _ => Err(format!("unknown quadrature rule \"{name}\"; choose \"rotated\", \"edges\" or \"diameter\"")),
-        }
-    }
-}
-
-/// Of the rules that aim at the fewest points without more noise.
+/// Points per pixel of a triangle's area for the rules [`Rule::Edges`] and [`Rule::Rotated`].
 const TRIANGLE_POINTS_PER_PIXEL: f64 = 1.6;
 
-/// A reference domain cut into equal parts, one quadrature point in each.
+/// A reference domain divided into equal sub-cells, one quadrature point in each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Subdivision {
-    /// `n^2` homothetic sub-triangles and their centres.
+    /// `n^2` similar sub-triangles, points at their centroids.
     Triangle {
-        /// Parts of each edge.
+        /// Intervals per edge.
         n: u32,
     },
-    /// `nx * ny` sub-quads and their centres.
+    /// `nx * ny` sub-quads, points at their centres.
     Quad {
-        /// Parts along `xi`.
+        /// Intervals along `xi`.
         nx: u32,
-        /// Parts along `eta`.
+        /// Intervals along `eta`.
         ny: u32,
     },
-    /// `nx * ny` sub-quads, their centres turned about the centre of the whole, by no more than keeps each in its part.
+    /// `nx * ny` sub-quads, their centres rotated about the centre of the domain by an angle that leaves each centre in
+    /// its sub-quad.
     RotatedQuad {
-        /// Parts along `xi`.
+        /// Intervals along `xi`.
         nx: u32,
-        /// Parts along `eta`.
+        /// Intervals along `eta`.
         ny: u32,
     },
 }
 
 impl Subdivision {
-    /// The subdivision of a cell whose nodes are projected to `pixels`, with `density` times the points of the rule.
+    /// Subdivision of a cell whose nodes project to `pixels`, with about `density` times as many points as the rule gives.
     pub fn of_cell(cell_type: CellType, pixels: &[[f64; 2]], rule: Rule, density: f64) -> Self {
         let per_length = density.sqrt();
         match rule {
@@ -83,9 +50,13 @@ impl Subdivision {
         }
     }
 
-    /// The reference domain cut into `parts` along every edge.
-    pub const fn uniform(cell_type: CellType, parts: u32) -> Self {
-        if cell_type.is_triangle() { Self::Triangle { n: parts } } else { Self::Quad { nx: parts, ny: parts } }
+    /// Subdivision with the same number of intervals along every edge.
+    pub const fn uniform(cell_type: CellType, intervals: u32) -> Self {
+        if cell_type.is_triangle() {
+            Self::Triangle { n: intervals }
+        } else {
+            Self::Quad { nx: intervals, ny: intervals }
+        }
     }
 
     /// Number of quadrature points.
@@ -96,8 +67,8 @@ impl Subdivision {
         }
     }
 
-    /// Area of one part of the reference domain: the weight of a point before the Jacobian.
-    pub fn part_area(self) -> f64 {
+    /// Area of one sub-cell in the reference domain: the weight of a point, without the Jacobian.
+    pub fn subcell_area(self) -> f64 {
         let reference = match self {
             Self::Triangle { .. } => CellType::Triangle.reference_area(),
             Self::Quad { .. } | Self::RotatedQuad { .. } => CellType::Quad.reference_area(),
@@ -105,7 +76,7 @@ impl Subdivision {
         reference / self.num_points() as f64
     }
 
-    /// Reference coordinates of all points.
+    /// Reference coordinates of all points, row by row.
     pub fn all_points(self) -> Vec<[f64; 2]> {
         let (mut xi, mut eta) = (vec![0.0; self.num_points()], vec![0.0; self.num_points()]);
         self.points(0, &mut xi, &mut eta);
@@ -116,7 +87,7 @@ impl Subdivision {
     ///
     /// # Panics
     ///
-    /// If `eta` is shorter than `xi`. Past the last point the coordinates mean nothing.
+    /// May panic if `eta` is shorter than `xi`. Coordinates beyond the last point are unspecified.
     pub fn points(self, first: usize, xi: &mut [f64], eta: &mut [f64]) {
         match self {
             Self::Quad { nx, ny } => quad_centres(nx, ny, first, xi, eta),
@@ -131,7 +102,7 @@ impl Subdivision {
             Self::Triangle { n } => {
                 let n = n as usize;
                 let h = 1.0 / n as f64;
-                // Row j holds 2 (n - j) - 1 sub-triangles, those that point up and down in turn.
+                // Row j holds 2 (n - j) - 1 sub-triangles, pointing up and down in alternation.
                 let (mut j, mut i) = triangle_row(n, first);
                 for (x, y) in xi.iter_mut().zip(eta.iter_mut()) {
                     let third = if i % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
@@ -147,7 +118,7 @@ impl Subdivision {
     }
 }
 
-/// Centres of the sub-quads from the part `first` on, row after row.
+/// Centres of the sub-quads from sub-quad `first` on, row by row.
 fn quad_centres(nx: u32, ny: u32, first: usize, xi: &mut [f64], eta: &mut [f64]) {
     let (nx, ny) = (nx as usize, ny as usize);
     let (dx, dy) = (2.0 / nx as f64, 2.0 / ny as f64);
@@ -162,12 +133,12 @@ fn quad_centres(nx: u32, ny: u32, first: usize, xi: &mut [f64], eta: &mut [f64])
     }
 }
 
-/// Whole parts of a length in pixels, at least one.
+/// Whole pixels of a length, at least one.
 fn whole(length: f64) -> u32 {
     length.floor().max(1.0) as u32
 }
 
-/// Row of the sub-triangle `index`, and its place in the row.
+/// Row of the sub-triangle `index`, and its position in the row.
 fn triangle_row(n: usize, index: usize) -> (usize, usize) {
     let start = |j: usize| n * n - (n - j) * (n - j);
     let rest = (n * n - index.min(n * n)) as f64;
@@ -185,7 +156,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Largest distance between two nodes, or across a parallelogram on two edges of a quad.
+/// Largest distance between two nodes, or, in a quad, diagonal of a parallelogram spanned by two adjacent edges.
 fn diameter(cell_type: CellType, pixels: &[[f64; 2]]) -> f64 {
     let pairs = pixels.iter().enumerate().flat_map(|(i, &a)| pixels[..i].iter().map(move |&b| distance(a, b)));
     let between_nodes = pairs.fold(0.0, f64::max);
@@ -199,10 +170,9 @@ fn diameter(cell_type: CellType, pixels: &[[f64; 2]]) -> f64 {
     (0..4).map(fourth).fold(between_nodes, f64::max)
 }
 
-/// Length of the edge that starts at corner `from`, through its middle node where it has one.
+/// Length of the edge that starts at corner `from`, as a polyline through its nodes.
 fn edge_length(cell_type: CellType, pixels: &[[f64; 2]], from: usize) -> f64 {
-    let outline = cell_type.outline();
-    let steps = outline.len() / cell_type.num_corners();
+    let (outline, steps) = (cell_type.outline(), cell_type.edge_intervals());
     let node = |k: usize| pixels[outline[k % outline.len()]];
     (from * steps..(from + 1) * steps).map(|k| distance(node(k), node(k + 1))).sum()
 }

@@ -16,7 +16,7 @@ fn integrals(cell: CellType, nodes: &[[f64; 2]], subdivision: Subdivision) -> [f
     subdivision.points(0, &mut xi, &mut eta);
     let mut sums = [0.0; 3];
     for (&x, &y) in xi.iter().zip(&eta) {
-        let weight = subdivision.part_area() * determinant(jacobian(cell, nodes, [x, y]));
+        let weight = subdivision.subcell_area() * determinant(jacobian(cell, nodes, [x, y]));
         let at = map(cell, nodes, [x, y]);
         for (sum, value) in sums.iter_mut().zip([1.0, at[0], at[1]]) {
             *sum += weight * value;

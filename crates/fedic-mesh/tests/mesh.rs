@@ -36,7 +36,7 @@ fn clockwise(cell: CellType, nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 const FOLDED: &str = "cell 0 has zero area or a Jacobian that changes sign (inverted, folded or nodes in the wrong order); \
-                      mend the mesh there";
+                      fix the mesh there";
 
 fn degenerate(cells: &[usize]) -> MeshError {
     MeshError::DegenerateCells { cells: cells.to_vec() }
@@ -44,7 +44,8 @@ fn degenerate(cells: &[usize]) -> MeshError {
 
 #[test]
 fn a_mesh_without_cells_is_refused() {
-    let text = "the mesh has no surface cells; give at least one triangle, quad, triangle6, quad8 or quad9";
+    let text =
+        "the mesh has no surface cells; give at least one cell of type triangle, triangle6, quad, quad8 or quad9";
     refused(Mesh::new(in_space(&SQUARE), &[]), MeshError::Empty, text);
     refused(Mesh::new(vec![], &[(CellType::Quad, vec![])]), MeshError::Empty, text);
 }
@@ -59,7 +60,7 @@ fn cell_types_have_meshios_names() {
     assert_eq!(error, MeshError::UnknownCellType { name: "tetra".to_owned() });
     assert_eq!(
         error.to_string(),
-        "unknown cell type \"tetra\"; fedic measures on triangle, triangle6, quad, quad8 and quad9"
+        "unknown cell type \"tetra\"; the cell types are triangle, triangle6, quad, quad8 and quad9"
     );
 }
 
@@ -108,7 +109,7 @@ fn all_degenerate_cells_are_named() {
         Mesh::new(in_space(&SQUARE), &[(CellType::Quad, cells)]),
         degenerate(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10]),
         "cells 1, 2, 3, 4, 5, 6, 7, 8 and 2 more have zero area or a Jacobian that changes sign (inverted, folded or nodes \
-         in the wrong order); mend the mesh there",
+         in the wrong order); fix the mesh there",
     );
 }
 

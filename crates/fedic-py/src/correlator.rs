@@ -59,7 +59,10 @@ impl Correlator {
         let camera = any_camera(camera)?;
         let quadrature = match rule {
             "pixel" => Quadrature::Pixel,
-            rule => Quadrature::Mesh { rule: Rule::from_str(rule).map_err(solve_error)?, density },
+            rule => Quadrature::Mesh {
+                rule: Rule::from_str(rule).map_err(|error| solve_error(error.to_string()))?,
+                density,
+            },
         };
         let options = Options {
             quadrature,

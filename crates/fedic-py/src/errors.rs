@@ -28,11 +28,7 @@ impl IntoPyErr for MeshError {
             Self::NonFinitePoint { node } => (vec![], vec![node]),
             Self::NodeOutOfRange { cell, .. } => (vec![cell], vec![]),
             Self::DegenerateCells { cells } => (cells, vec![]),
-            Self::Empty
-            | Self::UnknownCellType { .. }
-            | Self::WrongNodeCount { .. }
-            | Self::InvalidRectangle { .. }
-            | Self::TooLarge { .. } => (vec![], vec![]),
+            _ => (vec![], vec![]),
         };
         python::MeshError::new_err((message, cells, nodes))
     }

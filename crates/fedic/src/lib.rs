@@ -39,7 +39,6 @@
 mod correlator;
 mod equations;
 mod error;
-mod field;
 mod interpolation;
 mod kernels;
 mod monitor;
@@ -50,7 +49,6 @@ mod quadrature;
 mod results;
 mod self_calibration;
 mod solve;
-mod strain;
 
 pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};
@@ -62,9 +60,11 @@ pub use fedic_camera::{
 pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,
 };
-pub use fedic_mesh::{Cell, CellType, Locator, Mesh, MeshError, Rule, rectangle_mesh};
+pub use fedic_mesh::{
+    Cell, CellType, Locator, Mesh, MeshError, MeshSet, Rule, SurfaceGradients, UnknownRule, cell_areas, cell_strains,
+    interpolate_field, rectangle_mesh, surface_gradients,
+};
 pub use fedic_sparse::SparseError;
-pub use field::{cell_areas, interpolate_field};
 pub use interpolation::image_sampler::Sampler;
 pub use monitor::{Monitor, Progress, Stage};
 pub use options::{Brightness, Gradient, Hessian, Options, Quadrature};
@@ -72,7 +72,6 @@ pub use results::solution::{Iteration, Solution};
 pub use self_calibration::{
     MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,
 };
-pub use strain::cell_strains;
 
 /// Components of the displacement at each node: the two in the plane of the mesh.
 pub const COMPONENTS: usize = 2;

@@ -6,7 +6,9 @@ use fedic_sparse::{Pattern, SymmetricMatrix};
 
 use crate::COMPONENTS;
 use crate::equations::unknowns::System;
-use crate::field::PARTS;
+
+/// Intervals per edge of the subdivision that integrates a cell.
+const INTERVALS: u32 = 8;
 
 /// `integral of grad N_i . grad N_j` for every component, and the area of the mesh.
 #[derive(Debug, Clone)]
@@ -31,7 +33,7 @@ impl Laplacian {
 fn cell_laplacian(mesh: &Mesh, cell: usize) -> (Vec<f64>, f64) {
     let cell_type = mesh.cell(cell).cell_type;
     let nodes = mesh.cell_points(cell);
-    let subdivision = Subdivision::uniform(cell_type, PARTS);
+    let subdivision = Subdivision::uniform(cell_type, INTERVALS);
     let size = nodes.len() * COMPONENTS;
     let mut entries = vec![0.0; size * size];
     let mut area = 0.0;
@@ -42,7 +44,7 @@ fn cell_laplacian(mesh: &Mesh, cell: usize) -> (Vec<f64>, f64) {
         let dot = |p: usize, q: usize| j.iter().map(|row| row[p] * row[q]).sum::<f64>();
         let (xx, xy, yy) = (dot(0, 0), dot(0, 1), dot(1, 1));
         let det = xx * yy - xy * xy;
-        let weight = subdivision.part_area() * det.sqrt();
+        let weight = subdivision.subcell_area() * det.sqrt();
         area += weight;
         for a in 0..nodes.len() {
             for b in 0..nodes.len() {

@@ -7,7 +7,7 @@
 use std::array::from_fn;
 
 use fedic_camera::Camera;
-use fedic_mesh::{Cell, MAX_NODES};
+use fedic_mesh::{Cell, CellVisitor, MAX_NODES};
 
 use crate::kernels::simd::combinations;
 use crate::projection::polynomial_basis::{Check, DATA, Fit, MONOMIALS, MOST_CHECKS, Polynomial, UP_TO_DEGREE};
@@ -64,13 +64,7 @@ pub(crate) fn expand<'a>(
     let (precision, mut centre) = (camera.precision(), 0);
     for (index, (expansion, cell)) in each.enumerate() {
         let fit = Fit::of(cell.cell_type);
-        let draft = match cell.nodes.len() {
-            3 => Draft::new::<3>,
-            4 => Draft::new::<4>,
-            6 => Draft::new::<6>,
-            8 => Draft::new::<8>,
-            _ => Draft::new::<MAX_NODES>,
-        }(fit, cell.nodes, views, sights.at(centre).pixel);
+        let draft = cell.cell_type.visit(NewDraft { fit, nodes: cell.nodes, views, centre: sights.at(centre).pixel });
         let checks = checks_of(fit);
         let agrees = followed.is_none_or(|followed| followed[index])
             && checks.iter().zip(centre + 1..).all(|(check, k)| draft.agrees(check, &sights.at(k), precision));
@@ -94,6 +88,22 @@ struct Draft {
     origin: [f64; 2],
     pixel: [Polynomial; 2],
     jacobian: [[f64; 3]; 4],
+}
+
+/// Arguments of [`Draft::new`], which is compiled for each number of nodes.
+struct NewDraft<'a> {
+    fit: &'a Fit,
+    nodes: &'a [u32],
+    views: &'a [Sight],
+    centre: [f64; 2],
+}
+
+impl CellVisitor for NewDraft<'_> {
+    type Output = Draft;
+
+    fn visit<const N: usize>(self) -> Draft {
+        Draft::new::<N>(self.fit, self.nodes, self.views, self.centre)
+    }
 }
 
 impl Draft {

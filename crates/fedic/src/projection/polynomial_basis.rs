@@ -12,9 +12,6 @@ const EXPONENTS: [[i32; 2]; MONOMIALS] =
 pub(crate) const MONOMIALS: usize = 14;
 /// Numbers of monomials up to each degree.
 pub(crate) const UP_TO_DEGREE: [usize; 4] = [2, 5, 9, 14];
-/// Rows of a fit that give the coefficients of `xi^4` and `eta^4`.
-const X4: usize = 10;
-const Y4: usize = 14;
 
 /// Singular values below this count as zero.
 const RANK: f64 = 1e-10;
@@ -72,13 +69,9 @@ impl Fit {
         let nodes = cell_type.reference_nodes();
         let n = nodes.len();
         let centre = cell_type.reference_centre();
-        // As many as the data tell apart: corners and centre do not know a fourth power from a second.
-        let used: Vec<usize> = match cell_type {
-            CellType::Triangle => (0..=UP_TO_DEGREE[2]).collect(),
-            CellType::Quad => (0..=MONOMIALS).filter(|&m| m != X4 && m != Y4).collect(),
-            CellType::Triangle6 | CellType::Quad8 | CellType::Quad9 => (0..=MONOMIALS).collect(),
-        };
         let powers = |m: usize| if m == 0 { [0, 0] } else { EXPONENTS[m - 1] };
+        let determines = cell_type.data().determines;
+        let used: Vec<usize> = (0..=MONOMIALS).filter(|&m| determines(powers(m)[0], powers(m)[1])).collect();
         let known = DMatrix::from_fn(3 * n + 1, used.len(), |row, column| {
             let ([i, j], [xi, eta]) = (powers(used[column]), if row < 3 * n { nodes[row % n] } else { centre });
             let power = |x: f64, p: i32| if p < 0 { 0.0 } else { x.powi(p) };
@@ -128,15 +121,11 @@ impl Fit {
             }
         }
         fit.spanning = (0..=MONOMIALS).filter(|&m| fit.shape.iter().any(|shape| shape[m].abs() > RANK)).collect();
-        // Half way from the centre to the edges of a quad the errors of a piece are as large as anywhere.
-        let (smooth, pieces): ([f64; 2], &[[f64; 2]]) = match cell_type.is_triangle() {
-            true => ([0.5, 0.25], &[[0.5, 0.25], [0.25, 0.5], [0.25, 0.25]]),
-            false => ([0.5, 0.5], &[[0.0, 0.5], [0.0, -0.5], [0.5, 0.0], [-0.5, 0.0]]),
-        };
         let check = |&at: &[f64; 2]| Check { monomials: monomials(at), shape: shape_values(cell_type, at) };
         fit.centre_shape = shape_at_centre;
-        fit.smooth_check = vec![check(&smooth)];
-        fit.piece_checks = pieces.iter().map(check).collect();
+        let domain = cell_type.data().domain;
+        fit.smooth_check = domain.check_points(false).iter().map(check).collect();
+        fit.piece_checks = domain.check_points(true).iter().map(check).collect();
         fit
     }
 

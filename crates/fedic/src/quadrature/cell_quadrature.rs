@@ -90,7 +90,7 @@ impl CellQuadrature {
     /// Weight of the points of a cell before the Jacobian of its map, or `None` where each weighs one pixel.
     pub(crate) fn part_area(&self, cell: usize) -> Option<f64> {
         match &self.points {
-            Points::Subdivisions(subdivisions) => Some(subdivisions[cell].part_area()),
+            Points::Subdivisions(subdivisions) => Some(subdivisions[cell].subcell_area()),
             Points::Stored(_) => None,
         }
     }

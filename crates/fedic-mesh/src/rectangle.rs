@@ -1,15 +1,17 @@
-//! Regular meshes of a rectangle.
+//! Regular meshes of rectangles.
 
 use crate::{CellType, Mesh, MeshError};
 
 /// Regular mesh of a rectangle with cells of about `size`.
 ///
-/// `bounds` are `[x0, y0, x1, y1]`; the number of cells along each side is the length over `size`, rounded, so that the
-/// cells fill the rectangle exactly. Triangles halve the quads along alternating diagonals. Nodes run along `x` first.
+/// `bounds` are `[x0, y0, x1, y1]`. The number of squares along each side is its length divided by `size`, rounded, and at
+/// least one, so that the cells fill the rectangle exactly. Triangles halve the squares along alternating diagonals. Nodes
+/// are numbered along `x` first.
 ///
 /// # Errors
 ///
-/// [`MeshError::InvalidRectangle`] where the bounds are empty or not finite or the size is not positive.
+/// [`MeshError::InvalidRectangle`] if the bounds are empty or not finite or the size is not positive,
+/// [`MeshError::TooLarge`] if there are too many nodes.
 ///
 /// # Examples
 ///
@@ -25,45 +27,43 @@ pub fn rectangle_mesh(bounds: [f64; 4], size: f64, cell_type: CellType) -> Resul
     if !finite || size <= 0.0 || x0 >= x1 || y0 >= y1 {
         return Err(MeshError::InvalidRectangle { bounds, size });
     }
-    let parts = |length: f64| (length / size).round().max(1.0);
-    let (columns, rows) = (parts(x1 - x0), parts(y1 - y0));
-    if columns * rows > f64::from(u32::MAX / 16) {
+    let count = |length: f64| (length / size).round().max(1.0);
+    let (columns, rows) = (count(x1 - x0), count(y1 - y0));
+    // The nodes lie on a grid of this many intervals per square.
+    let step = cell_type.data().grid_intervals;
+    if columns * rows * (step * step) as f64 > f64::from(u32::MAX / 4) {
         return Err(MeshError::TooLarge { cells: columns * rows });
     }
     let (columns, rows) = (columns as usize, rows as usize);
-    let quadratic = cell_type.num_nodes() > cell_type.num_corners();
-    let step = if quadratic { 2 } else { 1 };
     let (nx, ny) = (columns * step + 1, rows * step + 1);
 
-    // Quad8 has no node at the centre of its cells: the lattice skips those.
-    let skipped = |i: usize, j: usize| cell_type == CellType::Quad8 && i % 2 == 1 && j % 2 == 1;
-    let mut points = Vec::with_capacity(nx * ny);
-    let mut index = vec![0_i64; nx * ny];
-    for j in 0..ny {
-        for i in 0..nx {
-            if !skipped(i, j) {
-                index[j * nx + i] = points.len() as i64;
-                let along = |low: f64, high: f64, k: usize, n: usize| low + (high - low) * k as f64 / (n - 1) as f64;
-                points.push([along(x0, x1, i, nx), along(y0, y1, j, ny), 0.0]);
-            }
-        }
-    }
-
     let mut connectivity = Vec::new();
+    let mut used = vec![false; nx * ny];
     for row in 0..rows {
         for column in 0..columns {
             for corners in cells_of_square(cell_type, (row + column) % 2 == 0) {
-                connectivity.extend(cell_type.reference_nodes().iter().map(|&at| {
-                    let [i, j] = lattice_place(corners, at, step);
-                    index[(row * step + j) * nx + column * step + i]
-                }));
+                for &at in cell_type.reference_nodes() {
+                    let [i, j] = grid_place(corners, at, step);
+                    let place = (row * step + j) * nx + column * step + i;
+                    used[place] = true;
+                    connectivity.push(place as i64);
+                }
             }
         }
     }
+
+    let mut points = Vec::with_capacity(nx * ny);
+    let mut index = vec![0_i64; nx * ny];
+    let along = |low: f64, high: f64, k: usize, n: usize| low + (high - low) * k as f64 / (n - 1) as f64;
+    for place in (0..nx * ny).filter(|&place| used[place]) {
+        index[place] = points.len() as i64;
+        points.push([along(x0, x1, place % nx, nx), along(y0, y1, place / nx, ny), 0.0]);
+    }
+    connectivity.iter_mut().for_each(|node| *node = index[*node as usize]);
     Mesh::new(points, &[(cell_type, connectivity)])
 }
 
-/// Corners, on the unit square, of the one quad or two triangles that fill it.
+/// Corners of the quad or the two triangles that fill the unit square.
 fn cells_of_square(cell_type: CellType, rising: bool) -> &'static [&'static [[f64; 2]]] {
     const QUAD: &[&[[f64; 2]]] = &[&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
     const RISING: &[&[[f64; 2]]] = &[&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], &[[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]];
@@ -75,8 +75,8 @@ fn cells_of_square(cell_type: CellType, rising: bool) -> &'static [&'static [[f6
     }
 }
 
-/// Lattice place of a reference node in a square whose cell has these corners.
-fn lattice_place(corners: &[[f64; 2]], at: [f64; 2], step: usize) -> [usize; 2] {
+/// Grid place of a reference node of the cell with these corners in the unit square.
+fn grid_place(corners: &[[f64; 2]], at: [f64; 2], step: usize) -> [usize; 2] {
     let linear = if corners.len() == 3 { CellType::Triangle } else { CellType::Quad };
     crate::map(linear, corners, at).map(|c| (c * step as f64).round() as usize)
 }

@@ -1,12 +1,20 @@
-//! The mesh: nodes, cells of any mixture of types, validated once so that everything after can trust it.
+//! The mesh: nodes, cells of any mixture of types and named sets, validated on construction.
 
-use crate::isoparametric::determinant;
-use crate::{CellType, MAX_NODES, MeshError, jacobian};
+mod orientation;
+mod sets;
+mod transform;
 
-/// Jacobians smaller than this fraction of the squared size of their cell count as zero.
-const FLAT: f64 = 1e-9;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// A surface mesh. All cells turn counter-clockwise in the `(x, y)` plane of the mesh.
+pub use sets::MeshSet;
+
+use crate::{CellType, MAX_NODES, MeshError};
+
+/// A surface mesh, plane or in space.
+///
+/// The cells of a plane mesh are counter-clockwise in the `(x, y)` plane. In a surface in space neighbouring cells have the
+/// same orientation: the one in which most of the area of their connected part is counter-clockwise seen from `+z`, or, if
+/// that part is vertical or closed, the orientation of its first cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     points: Vec<[f64; 3]>,
@@ -14,6 +22,7 @@ pub struct Mesh {
     offsets: Vec<usize>,
     nodes: Vec<u32>,
     flipped: Vec<usize>,
+    sets: BTreeMap<String, MeshSet>,
 }
 
 /// One cell of a [`Mesh`].
@@ -21,19 +30,19 @@ pub struct Mesh {
 pub struct Cell<'a> {
     /// Type of the cell.
     pub cell_type: CellType,
-    /// Its nodes, in meshio's order.
+    /// Indices of the nodes, in meshio's order.
     pub nodes: &'a [u32],
 }
 
 impl Mesh {
-    /// Checks and keeps a mesh. `blocks` hold the connectivity of all cells of one type, cell after cell.
+    /// Checks and stores a mesh. Each block holds the connectivity of cells of one type, cell by cell.
     ///
-    /// Cells listed clockwise are turned round (see [`Mesh::flipped`]); nodes that no cell uses are kept.
+    /// Cells of the wrong orientation are reversed (see [`Mesh::flipped`]); nodes that no cell uses are kept.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] where there is no cell, a coordinate is not finite, a cell refers to a node that does not exist,
-    /// or cells have zero area or a Jacobian of changing sign.
+    /// [`MeshError`] if there is no cell, a coordinate is not finite, a cell refers to a node that does not exist, or cells
+    /// have zero area or a Jacobian that changes sign.
     ///
     /// # Examples
     ///
@@ -46,11 +55,15 @@ impl Mesh {
     /// # Ok::<(), fedic_mesh::MeshError>(())
     /// ```
     pub fn new(points: Vec<[f64; 3]>, blocks: &[(CellType, Vec<i64>)]) -> Result<Self, MeshError> {
-        if let Some(node) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-            return Err(MeshError::NonFinitePoint { node });
-        }
-        let mut mesh =
-            Self { points, cell_types: Vec::new(), offsets: vec![0], nodes: Vec::new(), flipped: Vec::new() };
+        let mut mesh = Self {
+            points,
+            cell_types: Vec::new(),
+            offsets: vec![0],
+            nodes: Vec::new(),
+            flipped: Vec::new(),
+            sets: BTreeMap::new(),
+        };
+        mesh.check_points()?;
         for (cell_type, connectivity) in blocks {
             mesh.push_block(*cell_type, connectivity)?;
         }
@@ -79,52 +92,54 @@ impl Mesh {
         Ok(())
     }
 
-    fn orient(&mut self) -> Result<(), MeshError> {
-        let mut degenerate = Vec::new();
-        for index in 0..self.num_cells() {
-            let cell_type = self.cell_types[index];
-            let (points, num_nodes) = self.cell_points_xy(index);
-            match turn(cell_type, &points[..num_nodes]) {
-                Some(Turn::CounterClockwise) => {}
-                Some(Turn::Clockwise) => {
-                    let nodes = &mut self.nodes[self.offsets[index]..self.offsets[index + 1]];
-                    let old = nodes.to_vec();
-                    for (node, &from) in nodes.iter_mut().zip(cell_type.reversed()) {
-                        *node = old[from];
-                    }
-                    self.flipped.push(index);
-                }
-                None => degenerate.push(index),
-            }
+    fn check_points(&self) -> Result<(), MeshError> {
+        match self.points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+            Some(node) => Err(MeshError::NonFinitePoint { node }),
+            None => Ok(()),
         }
-        if degenerate.is_empty() { Ok(()) } else { Err(MeshError::DegenerateCells { cells: degenerate }) }
     }
 
-    /// Coordinates of the nodes; the third is zero for a plane mesh.
+    /// Reverses cells of the wrong orientation.
+    fn orient(&mut self) -> Result<(), MeshError> {
+        let reversed = orientation::cells_to_reverse(self)?;
+        for &index in &reversed {
+            let nodes = &mut self.nodes[self.offsets[index]..self.offsets[index + 1]];
+            let old = nodes.to_vec();
+            for (node, &from) in nodes.iter_mut().zip(self.cell_types[index].reversed()) {
+                *node = old[from];
+            }
+        }
+        // A cell reversed twice is as it was given.
+        let (before, now) = (BTreeSet::from_iter(self.flipped.drain(..)), BTreeSet::from_iter(reversed));
+        self.flipped = before.symmetric_difference(&now).copied().collect();
+        Ok(())
+    }
+
+    /// Coordinates of the nodes, in the mesh's unit; the third is zero for a plane mesh.
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
     }
 
-    /// Number of nodes, those that no cell uses included.
+    /// Number of nodes, including those that no cell uses.
     pub fn num_nodes(&self) -> usize {
         self.points.len()
     }
 
-    /// Number of cells over all types.
+    /// Number of cells of all types.
     pub fn num_cells(&self) -> usize {
         self.cell_types.len()
     }
 
-    /// The cell of an index, counted over the blocks in the order they were given.
+    /// The cell of an index; cells are numbered over the blocks in the order given.
     ///
     /// # Panics
     ///
-    /// If there is no such cell.
+    /// If the index is out of range.
     pub fn cell(&self, index: usize) -> Cell<'_> {
         Cell { cell_type: self.cell_types[index], nodes: &self.nodes[self.offsets[index]..self.offsets[index + 1]] }
     }
 
-    /// All cells in their order.
+    /// All cells in order.
     pub fn cells(&self) -> impl ExactSizeIterator<Item = Cell<'_>> {
         (0..self.num_cells()).map(|index| self.cell(index))
     }
@@ -134,7 +149,17 @@ impl Mesh {
         self.cell(index).nodes.iter().map(|&n| self.points[n as usize]).collect()
     }
 
-    /// Plane coordinates of the nodes of a cell, and how many they are; without allocation, for loops over points.
+    /// Coordinates of the nodes of a cell and their number, without allocation.
+    pub(crate) fn cell_points_array(&self, index: usize) -> ([[f64; 3]; MAX_NODES], usize) {
+        let nodes = self.cell(index).nodes;
+        let mut points = [[0.0; 3]; MAX_NODES];
+        for (point, &node) in points.iter_mut().zip(nodes) {
+            *point = self.points[node as usize];
+        }
+        (points, nodes.len())
+    }
+
+    /// Plane coordinates of the nodes of a cell and their number, without allocation.
     pub(crate) fn cell_points_xy(&self, index: usize) -> ([[f64; 2]; MAX_NODES], usize) {
         let nodes = self.cell(index).nodes;
         let mut points = [[0.0; 2]; MAX_NODES];
@@ -145,7 +170,7 @@ impl Mesh {
         (points, nodes.len())
     }
 
-    /// Cells that were given clockwise and have been turned round.
+    /// Cells that have been reversed relative to the order given, ascending.
     pub fn flipped(&self) -> &[usize] {
         &self.flipped
     }
@@ -159,7 +184,7 @@ impl Mesh {
         used
     }
 
-    /// The same mesh without the nodes that no cell uses, and for each node kept its index here.
+    /// The mesh without the nodes that no cell uses, and for each node of it the index in this mesh.
     pub fn compact(&self) -> (Self, Vec<u32>) {
         let used = self.used_nodes();
         let kept: Vec<u32> = (0..self.num_nodes() as u32).filter(|&n| used[n as usize]).collect();
@@ -167,37 +192,16 @@ impl Mesh {
         for (new, &old) in kept.iter().enumerate() {
             renumbered[old as usize] = new as u32;
         }
+        let sets = self.sets.iter().map(|(name, set)| {
+            let nodes = set.nodes.iter().filter(|&&n| used[n as usize]).map(|&n| renumbered[n as usize]).collect();
+            (name.clone(), MeshSet { nodes, cells: set.cells.clone() })
+        });
         let mesh = Self {
+            sets: sets.collect(),
             points: kept.iter().map(|&n| self.points[n as usize]).collect(),
             nodes: self.nodes.iter().map(|&n| renumbered[n as usize]).collect(),
             ..self.clone()
         };
         (mesh, kept)
-    }
-}
-
-enum Turn {
-    CounterClockwise,
-    Clockwise,
-}
-
-/// Which way a cell turns; `None` where its area is zero or its Jacobian changes sign.
-fn turn(cell_type: CellType, nodes: &[[f64; 2]]) -> Option<Turn> {
-    let determinant_at = |at| determinant(&jacobian(cell_type, nodes, at));
-    let extent = |d: usize| {
-        let (low, high) = nodes.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p[d]), h.max(p[d])));
-        high - low
-    };
-    let flat = FLAT * (extent(0).powi(2) + extent(1).powi(2));
-    let centre = determinant_at(cell_type.reference_centre());
-    let same_sign = |sign: f64| {
-        sign * centre > flat && cell_type.reference_nodes().iter().all(|&at| sign * determinant_at(at) >= -flat)
-    };
-    if same_sign(1.0) {
-        Some(Turn::CounterClockwise)
-    } else if same_sign(-1.0) {
-        Some(Turn::Clockwise)
-    } else {
-        None
     }
 }
