@@ -1,7 +1,7 @@
 """Patch tests: a displacement that the elements represent exactly is measured to the accuracy of the interpolation.
 
 Without smoothing: the filter of the deformed image does not deform with the material, which costs a little where it is
-strained (`test_the_smoothing_costs_little_under_strain`).
+strained (`test_the_error_of_smoothing_under_strain_is_small`).
 """
 
 from collections.abc import Callable
@@ -54,7 +54,7 @@ def images() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("field", FIELDS)
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("cell", CELLS)
-def test_uniform_gradients_are_measured(images: dict[str, np.ndarray], field: str, quadrature: str, cell: str) -> None:
+def test_affine_displacement_is_measured(images: dict[str, np.ndarray], field: str, quadrature: str, cell: str) -> None:
     mesh = fedic.rectangle_mesh((25.3, 24.6, 135.7, 114.9), 22.0, cell)  # type: ignore[arg-type]
     result = fedic.correlate(
         images["reference"],
@@ -70,7 +70,7 @@ def test_uniform_gradients_are_measured(images: dict[str, np.ndarray], field: st
     assert errors.std() < 0.0008
 
 
-def test_the_smoothing_costs_little_under_strain(images: dict[str, np.ndarray]) -> None:
+def test_the_error_of_smoothing_under_strain_is_small(images: dict[str, np.ndarray]) -> None:
     """The error it adds grows with the strain, here up to 0.8 %; there is none under a translation."""
     mesh = fedic.rectangle_mesh((25.3, 24.6, 135.7, 114.9), 22.0)
     for name, most in (("translation", 0.00006), ("affine", 0.0008)):
@@ -81,7 +81,9 @@ def test_the_smoothing_costs_little_under_strain(images: dict[str, np.ndarray]) 
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("lens", [None, fedic.BrownDistortion((-8.0, 20.0, 0.0), (0.02, -0.03), (0.01, 0.02))])
-def test_a_camera_gives_the_meshs_unit(cell: str, quadrature: str, lens: fedic.BrownDistortion | None) -> None:
+def test_affine_displacement_is_measured_in_millimetres(
+    cell: str, quadrature: str, lens: fedic.BrownDistortion | None
+) -> None:
     """A tilted pinhole with a strong lens, the mesh in millimetres at Z = 2."""
     camera = fedic.Pinhole(
         (1600, 1650),

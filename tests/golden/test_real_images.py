@@ -25,7 +25,7 @@ def frame(shared_data: Shared) -> Callable[[str], np.ndarray]:
 
 
 @pytest.mark.parametrize("number", FRAMES)
-def test_open_hole_agrees_with_the_reference(
+def test_open_hole_agrees_with_pyxel(
     number: str, frame: Callable[[str], np.ndarray], shared_data: Shared, peer: dict[str, np.ndarray]
 ) -> None:
     mesh = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
@@ -41,7 +41,7 @@ def test_open_hole_agrees_with_the_reference(
     assert result.residual_rms < 1.002 * peer[f"std_{number}"]
 
 
-def test_open_hole_residual_with_quintic_splines(frame: Callable[[str], np.ndarray], shared_data: Shared) -> None:
+def test_open_hole_residual_with_default_options(frame: Callable[[str], np.ndarray], shared_data: Shared) -> None:
     mesh = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
     result = fedic.correlate(frame("0053"), frame("0070"), mesh, open_hole_camera(), initial="pyramid", smoothing=0.0)
     assert result.converged

@@ -30,20 +30,22 @@ def image() -> np.ndarray:
         (SQUARE, [[0, 1, 2, 3]], "cells must be a mapping", ([], [])),
     ],
 )
-def test_bad_meshes(points: object, cells: object, message: str, at: tuple[list[int], list[int]]) -> None:
+def test_bad_meshes_are_refused_with_cells_and_nodes(
+    points: object, cells: object, message: str, at: tuple[list[int], list[int]]
+) -> None:
     with pytest.raises(fedic.MeshError, match=message) as error:
         fedic.Mesh(points, cells)  # type: ignore[arg-type]
     assert (error.value.cells, error.value.nodes) == at
 
 
-def test_clockwise_cells_are_turned_round() -> None:
+def test_clockwise_cells_are_reversed() -> None:
     mesh = fedic.Mesh(SQUARE, {"quad": [[0, 3, 2, 1]]})
     np.testing.assert_array_equal(mesh.flipped_cells, [0])
     np.testing.assert_array_equal(mesh.cells["quad"], [[0, 1, 2, 3]])
     np.testing.assert_array_equal(mesh.areas(), [1.0])
 
 
-def test_mesh_outside_the_image(image: np.ndarray) -> None:
+def test_cells_outside_the_image_are_named(image: np.ndarray) -> None:
     with pytest.raises(
         fedic.MeshError, match=r"the whole mesh lies outside the reference image of 120 x 100 pixels"
     ) as all_cells:
@@ -59,14 +61,14 @@ def test_mesh_outside_the_image(image: np.ndarray) -> None:
         fedic.correlate(image, image, fedic.rectangle_mesh((20, 20, 100, 80), 20), fedic.FrontParallel(1e6))
 
 
-def test_points_behind_the_camera(image: np.ndarray) -> None:
+def test_a_mesh_behind_the_camera_is_refused(image: np.ndarray) -> None:
     behind = fedic.Pinhole((1000, 1000), (60, 50), translation=(0, 0, -1.0))
     with pytest.raises(fedic.MeshError, match="the whole mesh lies outside"):
         fedic.correlate(image, image, fedic.rectangle_mesh((-0.01, -0.01, 0.01, 0.01), 0.01), behind)
 
 
 @pytest.mark.parametrize("cell", ["triangle", "quad9"])
-def test_flat_images(image: np.ndarray, cell: str) -> None:
+def test_images_without_texture_are_refused(image: np.ndarray, cell: str) -> None:
     mesh = fedic.rectangle_mesh((20, 20, 100, 80), 20, cell)  # type: ignore[arg-type]
     flat = np.full_like(image, 80)
     with pytest.raises(fedic.ImageError, match="the reference image is flat where the mesh lies"):
@@ -77,7 +79,7 @@ def test_flat_images(image: np.ndarray, cell: str) -> None:
         fedic.correlate(image, flat, mesh, initial="pyramid")
 
 
-def test_a_flat_corner_names_its_nodes(image: np.ndarray) -> None:
+def test_nodes_in_a_region_without_texture_are_named(image: np.ndarray) -> None:
     image = image.copy()
     image[:45, :45] = 100
     with pytest.raises(fedic.SolveError, match="the images do not determine the displacement of node") as error:
@@ -87,7 +89,7 @@ def test_a_flat_corner_names_its_nodes(image: np.ndarray) -> None:
     assert (corner <= 40).all()
 
 
-def test_too_few_points_for_the_elements(image: np.ndarray) -> None:
+def test_elements_with_too_few_quadrature_points_are_refused(image: np.ndarray) -> None:
     mesh = fedic.rectangle_mesh((20, 20, 100, 80), 1.5)
     with pytest.raises(
         fedic.SolveError, match="holds 1 quadrature points for 8 unknowns; use larger elements"
@@ -115,7 +117,7 @@ def test_too_few_points_for_the_elements(image: np.ndarray) -> None:
         ),
     ],
 )
-def test_bad_image_arrays(image: np.ndarray, bad: object, message: str) -> None:
+def test_bad_image_arrays_are_refused(image: np.ndarray, bad: object, message: str) -> None:
     with pytest.raises(fedic.ImageError, match=message):
         fedic.correlate(image, bad(image), fedic.rectangle_mesh((20, 20, 100, 80), 20))  # type: ignore[operator]
 

@@ -54,7 +54,7 @@ def test_a_plate_with_a_hole(cell: str) -> None:
     np.testing.assert_allclose([*circle.centre, circle.radius], [*CENTRE, RADIUS], rtol=1e-12)
 
 
-def test_samples_lie_on_the_circle_and_normals_leave_the_material() -> None:
+def test_samples_lie_on_the_circle_and_normals_point_outwards() -> None:
     mesh = plate_mesh(divisions=4)  # chords 0.1 mm inside the circle
     for name, feature in by_name(mesh).items():
         if name == "outline":
@@ -70,7 +70,7 @@ def test_samples_lie_on_the_circle_and_normals_leave_the_material() -> None:
 
 
 @pytest.mark.parametrize("quadratic", [False, True])
-def test_a_disc_is_a_circle_outside_and_inside(quadratic: bool) -> None:
+def test_outline_and_hole_of_a_ring_are_circles(quadratic: bool) -> None:
     mesh = ring(10.0, 16, quadratic)
     found = by_name(mesh)
     assert {name: feature.kind for name, feature in found.items()} == {"outline": "circle", "hole 0": "circle"}
@@ -78,7 +78,7 @@ def test_a_disc_is_a_circle_outside_and_inside(quadratic: bool) -> None:
     np.testing.assert_allclose([circle.radius for circle in circles if circle], [20.0, 10.0], rtol=1e-9)
 
 
-def test_an_ellipse_of_quadratic_cells_is_sampled_on_its_parabolas() -> None:
+def test_samples_of_quadratic_cells_lie_on_the_curved_edges() -> None:
     mesh = ring(10.0, 24, quadratic=True)
     stretched = fedic.Mesh(mesh.points * [2.0, 1.0], mesh.cells)
     hole = by_name(stretched)["hole 0"]
@@ -89,7 +89,7 @@ def test_an_ellipse_of_quadratic_cells_is_sampled_on_its_parabolas() -> None:
     assert by_name(ring(10.0, 24, quadratic=False))["hole 0"].kind == "circle"
 
 
-def test_a_square_hole_and_a_notch_are_named_by_the_side_they_are_on() -> None:
+def test_straight_pieces_of_a_hole_and_a_notch_are_named_by_their_side() -> None:
     grid = fedic.rectangle_mesh((0.0, 0.0, 9.0, 6.0), 1.0)
     cells = grid.cells["quad"]
     x, y = grid.points[cells].mean(axis=1).T
@@ -104,7 +104,7 @@ def test_a_square_hole_and_a_notch_are_named_by_the_side_they_are_on() -> None:
     assert set(mesh.points[found["top 1"].nodes, 1]) == {5.0}
 
 
-def test_a_dog_bone_is_cut_where_lines_pass_into_arcs(gmsh: object) -> None:
+def test_the_outline_of_a_dog_bone_is_split_into_lines_and_arcs(gmsh: object) -> None:
     angle = np.linspace(0.0, np.pi / 2.0, 25)
     fillet = np.column_stack([30.0 + 10.0 * np.sin(angle), 15.0 - 10.0 * np.cos(angle)])  # (30, 5) to (40, 15)
     quarter = np.concatenate([fillet, [[60.0, 15.0]]])
@@ -121,7 +121,7 @@ def test_a_dog_bone_is_cut_where_lines_pass_into_arcs(gmsh: object) -> None:
     np.testing.assert_allclose(sorted(feature.length for feature in gauge)[-2:], 60.0, atol=1.5)
 
 
-def test_names_do_not_depend_on_the_numbering(shared_data: object) -> None:
+def test_feature_names_do_not_depend_on_the_numbering(shared_data: object) -> None:
     mesh = plate_mesh()
     rng = np.random.default_rng(0)
     order = rng.permutation(len(mesh.points))

@@ -34,7 +34,7 @@ def same(found: Any, expected: Any) -> None:
         fedic.ImageFrame(),
     ],
 )
-def test_toml_gives_the_camera_back(camera: Any, tmp_path: Path) -> None:
+def test_toml_files_preserve_the_camera(camera: Any, tmp_path: Path) -> None:
     path = fedic.write_camera(camera, tmp_path / "camera.toml")
     found = fedic.read_camera(path)
     assert type(found) is type(camera)
@@ -43,7 +43,7 @@ def test_toml_gives_the_camera_back(camera: Any, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".yml", ".yaml", ".xml"])
 @pytest.mark.parametrize("lens", [None, fedic.BrownDistortion((-0.1, 0.2, 0.05), (1e-3, -5e-4)), LENS])
-def test_opencv_gives_the_camera_back(lens: Any, suffix: str, tmp_path: Path) -> None:
+def test_opencv_files_preserve_the_camera(lens: Any, suffix: str, tmp_path: Path) -> None:
     camera = fedic.Pinhole((900.1, 905.2), (325.3, 236.4), VECTOR, (1.5, -2.5, 100.0), distortion=lens)
     path = fedic.write_camera(camera, tmp_path / f"camera{suffix}")
     same(fedic.read_camera(path), camera)
@@ -54,7 +54,7 @@ def test_opencv_gives_the_camera_back(lens: Any, suffix: str, tmp_path: Path) ->
     np.testing.assert_allclose(camera.project(POINTS), expected, rtol=0, atol=1e-9)
 
 
-def test_nothing_is_replaced_unasked(tmp_path: Path) -> None:
+def test_an_existing_camera_file_is_kept_without_overwrite(tmp_path: Path) -> None:
     path = tmp_path / "camera.toml"
     fedic.write_camera(CAMERA, path)
     before = path.read_bytes()
@@ -74,7 +74,7 @@ def test_nothing_is_replaced_unasked(tmp_path: Path) -> None:
         (fedic.Pinhole((9, 9), (0, 0), skew_angle=1.5), "camera.xml", "OpenCV ignores the skew"),
     ],
 )
-def test_what_cannot_be_written(camera: Any, name: str, message: str, tmp_path: Path) -> None:
+def test_cameras_that_a_format_cannot_hold_are_refused(camera: Any, name: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(fedic.CameraError, match=message):
         fedic.write_camera(camera, tmp_path / name)
     with pytest.raises(fedic.FedicError, match=r"the folder .* does not exist"):
@@ -86,7 +86,7 @@ def test_what_cannot_be_written(camera: Any, name: str, message: str, tmp_path: 
     [("camera_matrix", "distortion_coefficients"), ("mtx", "dist"), ("K", "D"), ("cameraMatrix", "distCoeffs")],
 )
 @pytest.mark.parametrize("suffix", [".yml", ".xml", ".npz"])
-def test_other_names(matrix: str, lens: str, suffix: str, tmp_path: Path) -> None:
+def test_common_key_names_are_recognised(matrix: str, lens: str, suffix: str, tmp_path: Path) -> None:
     arrays = {
         matrix: MATRIX,
         lens: np.array([[-0.1, 0.2, 1e-3, -5e-4, 0.05, 0, 0, 0, 8e-4, 0, -6e-4, 0]]),
@@ -104,7 +104,7 @@ def test_other_names(matrix: str, lens: str, suffix: str, tmp_path: Path) -> Non
     same(fedic.read_camera(path), CAMERA)
 
 
-def test_no_pose_and_a_skew(tmp_path: Path) -> None:
+def test_a_camera_matrix_with_skew_and_no_pose_is_read(tmp_path: Path) -> None:
     matrix = MATRIX.copy()
     matrix[0, 1] = 30.0
     np.savez(tmp_path / "k.npz", K=matrix)
@@ -115,7 +115,7 @@ def test_no_pose_and_a_skew(tmp_path: Path) -> None:
     np.testing.assert_allclose(camera.project([point])[0], (matrix @ point)[:2], rtol=1e-14)
 
 
-def test_the_yaml_of_ros(tmp_path: Path) -> None:
+def test_ros_yaml_is_read(tmp_path: Path) -> None:
     text = """\
 image_width: 640
 image_height: 480
@@ -141,7 +141,7 @@ distortion_coefficients:
         fedic.read_camera(path)
 
 
-def test_two_cameras_in_one_file(tmp_path: Path) -> None:
+def test_both_cameras_of_a_stereo_file_are_read(tmp_path: Path) -> None:
     rotation = cv2.Rodrigues(VECTOR)[0]
     np.savez(
         tmp_path / "stereo.npz", M1=MATRIX, D1=np.zeros(5), M2=2 * MATRIX - np.diag([0, 0, 1]), R=rotation, T=[1, 2, 3]
@@ -156,7 +156,7 @@ def test_two_cameras_in_one_file(tmp_path: Path) -> None:
         fedic.read_camera(tmp_path / "stereo.npz", number=2)
 
 
-def test_the_report_of_vic3d(shared_data: Callable[[str], Path]) -> None:
+def test_vic3d_reports_are_read(shared_data: Callable[[str], Path]) -> None:
     path = shared_data("chessboard/vic3d_calibration.txt")
     first, second = (fedic.read_camera(path, number=number) for number in (0, 1))
     assert isinstance(first, fedic.Pinhole)
@@ -230,7 +230,7 @@ Psi [deg];0.28
 """
 
 
-def test_the_calibration_of_matchid(tmp_path: Path) -> None:
+def test_matchid_calibrations_are_read(tmp_path: Path) -> None:
     path = tmp_path / "pair.caldat"
     path.write_text(CALDAT)
     first, second = (fedic.read_camera(path, number=number) for number in (0, 1))
@@ -295,7 +295,7 @@ def matrices(**arrays: Any) -> dict[str, NDArray[np.float64]]:
         ("a.toml", b'file = "b.toml"', "file names another camera file"),
     ],
 )  # fmt: skip
-def test_faults_name_the_file_and_the_key(name: str, content: Any, message: str, tmp_path: Path) -> None:
+def test_errors_name_the_file_and_the_key(name: str, content: Any, message: str, tmp_path: Path) -> None:
     path = tmp_path / name
     if isinstance(content, dict):
         np.savez(path, **content)
@@ -313,7 +313,9 @@ def test_faults_name_the_file_and_the_key(name: str, content: Any, message: str,
         ("pair.caldat", CALDAT.replace("Psi", "Chi"), "Psi, part of the pose of the second camera, is missing"),
     ],
 )
-def test_a_truncated_pose_matters_to_the_second_camera_only(name: str, text: str, message: str, tmp_path: Path) -> None:
+def test_an_incomplete_relative_pose_affects_only_the_second_camera(
+    name: str, text: str, message: str, tmp_path: Path
+) -> None:
     (tmp_path / name).write_text(text)
     fedic.read_camera(tmp_path / name)
     with pytest.raises(fedic.CameraError, match=message):
@@ -342,7 +344,7 @@ def configured(folder: Path, more: str = "") -> Path:
     return path
 
 
-def test_a_run_reads_a_camera_file(tmp_path: Path) -> None:
+def test_a_configuration_reads_a_camera_file(tmp_path: Path) -> None:
     path = configured(tmp_path)
     with pytest.raises(fedic.CameraError, match=r"run.toml: camera.file names .*camera.yml, which does not exist"):
         load_config(path)
@@ -362,7 +364,7 @@ def test_a_run_reads_a_camera_file(tmp_path: Path) -> None:
         ("rotation = [1.0]", "camera.rotation", "should be a rotation vector of 3 numbers"),
     ],
 )
-def test_faults_in_the_section_of_a_camera_file(more: str, key: str, message: str, tmp_path: Path) -> None:
+def test_errors_in_the_camera_section_name_the_key(more: str, key: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(fedic.ConfigError, match=message) as caught:
         load_config(configured(tmp_path, more))
     assert caught.value.key == key

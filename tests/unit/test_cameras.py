@@ -40,7 +40,7 @@ def plane_points() -> np.ndarray:
 
 
 @given(posed_pinholes())
-def test_projection_is_that_of_opencv(posed: tuple[fedic.Pinhole, np.ndarray]) -> None:
+def test_projection_agrees_with_opencv(posed: tuple[fedic.Pinhole, np.ndarray]) -> None:
     camera, vector = posed
     lens = camera.distortion
     assert lens is not None
@@ -67,7 +67,7 @@ def test_jacobian_is_the_derivative_of_the_projection(camera: fedic.Pinhole, ang
 
 
 @given(pinholes(), st.floats(-0.1, 0.1))
-def test_unproject_is_the_inverse(camera: fedic.Pinhole, z: float) -> None:
+def test_unproject_inverts_project(camera: fedic.Pinhole, z: float) -> None:
     points = plane_points()
     points[:, 2] = z
     pixels = camera.project(points)
@@ -77,7 +77,7 @@ def test_unproject_is_the_inverse(camera: fedic.Pinhole, z: float) -> None:
     np.testing.assert_allclose(again, points, rtol=0, atol=1e-10)
 
 
-def test_skew_shears_the_pixels() -> None:
+def test_the_skew_angle_enters_the_intrinsic_matrix() -> None:
     theta = 1.4
     camera = fedic.Pinhole((1000, 900), (50, 60), translation=(0, 0, 1), skew_angle=theta)
     x, y = 0.3, -0.2
@@ -85,7 +85,7 @@ def test_skew_shears_the_pixels() -> None:
     np.testing.assert_allclose(camera.project([[x, y, 0]])[0], expected, rtol=1e-14)
 
 
-def test_simple_cameras() -> None:
+def test_image_frame_and_front_parallel_project_exactly() -> None:
     points = np.array([[3.0, 4.0], [-1.0, 0.5]])
     np.testing.assert_array_equal(fedic.ImageFrame().project(points), points)
     camera = fedic.FrontParallel(10.0, origin=(100.0, 200.0))
@@ -100,7 +100,7 @@ def test_simple_cameras() -> None:
     assert repr(turned) == "FrontParallel(scale=10, origin=(100.0, 200.0), angle=1.5707963267948966)"
 
 
-def test_rotation_vector_and_matrix_are_the_same_camera() -> None:
+def test_rotation_vector_and_matrix_give_equal_cameras() -> None:
     vector = np.array([0.1, -0.2, 0.3])
     by_vector = fedic.Pinhole((1, 1), (0, 0), rotation=vector)
     by_matrix = fedic.Pinhole((1, 1), (0, 0), rotation=cv2.Rodrigues(vector)[0])
@@ -143,18 +143,18 @@ def test_cameras_can_be_pickled(camera: object) -> None:
         (lambda: fedic.ImageFrame().project(["a"]), "points must be a 2-dimensional array of real numbers"),
     ],
 )
-def test_bad_cameras_are_explained(make: object, message: str) -> None:
+def test_bad_camera_parameters_are_refused(make: object, message: str) -> None:
     with pytest.raises(fedic.CameraError, match=message):
         make()  # type: ignore[operator]
 
 
-def test_pixels_that_cannot_be_taken_back_are_counted() -> None:
+def test_pixels_that_cannot_be_unprojected_are_counted() -> None:
     grazing = fedic.Pinhole((1000, 1000), (500, 500), rotation=[np.pi / 2, 0, 0], translation=(0, 0, 2))
     message = r"1 of 2 pixels cannot be taken back to the plane Z = 1, the first of them number 1 at \(500, 700\)"
     with pytest.raises(fedic.CameraError, match=message):
         grazing.unproject([[500.0, 300.0], [500.0, 700.0]], z=1.0)
 
 
-def test_points_behind_the_camera_are_nan() -> None:
+def test_points_behind_the_camera_project_to_nan() -> None:
     camera = fedic.Pinhole((1000, 1000), (0, 0), translation=(0, 0, 1))
     assert np.isnan(camera.project([[0.0, 0.0, -2.0]])).all()

@@ -53,7 +53,7 @@ def load(folder: Path, text: str) -> Config:
     return load_config(path)
 
 
-def test_everything_is_built_relative_to_the_file(folder: Path) -> None:
+def test_paths_are_relative_to_the_configuration_file(folder: Path) -> None:
     config = load(folder, VALID)
     assert config.images.reference == folder / "frame-00.png"
     assert config.images.deformed == [folder / "frame-01.png", folder / "frame-02.png"]
@@ -68,7 +68,7 @@ def test_everything_is_built_relative_to_the_file(folder: Path) -> None:
     assert (options["brightness"], options["initial"], options["tolerance"]) == (None, "pyramid", 1e-2)
 
 
-def test_options_are_those_of_the_correlator(folder: Path) -> None:
+def test_options_are_passed_to_the_correlator(folder: Path) -> None:
     image = fedic.synthetic.render(fedic.synthetic.Speckle(4.0), fedic.ImageFrame(), (48, 64))
     minimal = VALID[: VALID.index("[camera]")] + '[output]\nfolder = "out"\n'
     config = load(folder, minimal)
@@ -101,7 +101,7 @@ def test_options_are_those_of_the_correlator(folder: Path) -> None:
         ("[mesh.rectangle]", '[mesh]\nfile = "m.msh"\n[mesh.rectangle]', "mesh", "exactly one of"),
     ],
 )
-def test_faults_name_the_key(folder: Path, old: str, new: str, key: str, message: str) -> None:
+def test_errors_name_the_key(folder: Path, old: str, new: str, key: str, message: str) -> None:
     assert old in VALID
     with pytest.raises(fedic.ConfigError, match=message) as caught:
         load(folder, VALID.replace(old, new))
@@ -110,12 +110,12 @@ def test_faults_name_the_key(folder: Path, old: str, new: str, key: str, message
     assert key in str(caught.value)
 
 
-def test_bad_toml_gives_the_line(folder: Path) -> None:
+def test_toml_syntax_errors_give_the_line(folder: Path) -> None:
     with pytest.raises(fedic.ConfigError, match="line 2"):
         load(folder, "[images]\nreference = = 3\n")
 
 
-def test_missing_files_are_reported_before_any_work(folder: Path) -> None:
+def test_missing_files_are_reported_on_loading(folder: Path) -> None:
     with pytest.raises(fedic.ConfigError, match="there is no such configuration file"):
         load_config(folder / "nothing.toml")
     with pytest.raises(fedic.ImageError, match=r"images\.reference names .*frame-07\.png"):
@@ -125,7 +125,7 @@ def test_missing_files_are_reported_before_any_work(folder: Path) -> None:
         load(folder, VALID.replace(rectangle, '[mesh]\nfile = "plate.msh"\n'))
 
 
-def test_the_example_shows_every_key(repository: Path) -> None:
+def test_the_example_lists_every_key(repository: Path) -> None:
     text = (repository / "examples" / "openhole.toml").read_text()
     lines = {line.lstrip("# ").split(" = ")[0] for line in text.splitlines()}
     sections = {line.lstrip("# ") for line in text.splitlines()}
@@ -144,7 +144,7 @@ def test_the_example_shows_every_key(repository: Path) -> None:
     assert {"[images]", "[mesh]", "[camera]", "[camera.distortion]", "[correlation]", "[output]"} <= sections
 
 
-def test_the_open_hole_camera_projects_as_the_reference_says(
+def test_the_open_hole_camera_projects_to_the_reference_pixels(
     repository: Path, shared_data: Callable[[str], Path], shared_reference: Callable[[str], Path]
 ) -> None:
     shared_data("openhole")

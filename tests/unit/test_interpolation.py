@@ -25,14 +25,14 @@ def scipy_values(image: np.ndarray, pixels: np.ndarray, order: int) -> np.ndarra
 
 @pytest.mark.parametrize(("interpolation", "order"), [("bilinear", 1), ("bspline3", 3), ("bspline5", 5)])
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
-def test_values_are_those_of_scipy(
+def test_values_agree_with_scipy(
     image: np.ndarray, pixels: np.ndarray, interpolation: str, order: int, dtype: type
 ) -> None:
     values, _ = interpolate_image(image.astype(dtype), pixels, interpolation)
     np.testing.assert_allclose(values, scipy_values(image, pixels, order), rtol=0, atol=1e-3)
 
 
-def test_bicubic_is_the_kernel_of_keys(image: np.ndarray, pixels: np.ndarray) -> None:
+def test_bicubic_values_agree_with_the_keys_kernel(image: np.ndarray, pixels: np.ndarray) -> None:
     def keys(t: np.ndarray) -> np.ndarray:
         t = np.abs(t)
         near, far = 1.5 * t**3 - 2.5 * t**2 + 1, -0.5 * t**3 + 2.5 * t**2 - 4 * t + 2
@@ -87,13 +87,15 @@ def test_finite_difference_gradient_is_interpolated_central_differences(
 
 
 @pytest.mark.parametrize("sigma", [0.5, 0.8, 2.0])
-def test_smoothing_is_the_gaussian_of_scipy(image: np.ndarray, pixels: np.ndarray, sigma: float) -> None:
+def test_smoothing_agrees_with_the_gaussian_filter_of_scipy(
+    image: np.ndarray, pixels: np.ndarray, sigma: float
+) -> None:
     values, _ = interpolate_image(image, pixels, "bspline3", smoothing=sigma)
     smooth = ndimage.gaussian_filter(image.astype(float), sigma, mode="mirror", truncate=4)
     np.testing.assert_allclose(values, scipy_values(smooth, pixels, 3), rtol=0, atol=1e-3)
 
 
-def test_outside_is_nan_from_half_a_pixel_on(image: np.ndarray) -> None:
+def test_points_beyond_half_a_pixel_outside_are_nan(image: np.ndarray) -> None:
     values, gradients = interpolate_image(image, [[-0.5, 60.5], [-0.51, 3], [3, 60.51], [np.nan, 3], [82.5, -0.5]])
     np.testing.assert_array_equal(np.isnan(values), [False, True, True, True, False])
     np.testing.assert_array_equal(np.isnan(gradients).all(1), np.isnan(values))

@@ -42,7 +42,7 @@ def test_float_and_big_endian_tiff_are_read(tmp_path: Path) -> None:
     np.testing.assert_array_equal(big, GREY16)
 
 
-def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mapped_tiff_gives_the_same_measurement(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     speckle = fedic.synthetic.Speckle(5.0, seed=1)
     camera = fedic.FrontParallel(1.0, (0.0, 0.0))
     images = [
@@ -67,7 +67,7 @@ def test_a_large_tiff_is_mapped_and_measured_alike(tmp_path: Path, monkeypatch: 
 
 
 @pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg", ".tif", ".lzw.tif", ".big.tif"])
-def test_an_image_read_belongs_to_the_caller_and_a_mapped_one_to_nobody(
+def test_read_images_are_writeable_and_mapped_images_are_read_only(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
     monkeypatch.setattr("fedic.io.images._MAPPED_BYTES", 1)
@@ -90,7 +90,7 @@ def test_an_image_read_belongs_to_the_caller_and_a_mapped_one_to_nobody(
     np.testing.assert_array_equal(read, stored)
 
 
-def test_an_image_is_kept_apart_from_what_can_be_written_to(tmp_path: Path) -> None:
+def test_writeable_images_are_copied(tmp_path: Path) -> None:
     tifffile.imwrite(tmp_path / "grey.tif", GREY8)
     frozen = GREY8.view()
     frozen.flags.writeable = False
@@ -112,7 +112,7 @@ def test_an_image_is_kept_apart_from_what_can_be_written_to(tmp_path: Path) -> N
         assert np.shares_memory(own_image(image, "reference"), image)
 
 
-def test_letting_an_image_go_loses_nothing(tmp_path: Path) -> None:
+def test_releasing_the_memory_of_an_image_keeps_its_values(tmp_path: Path) -> None:
     tifffile.imwrite(tmp_path / "grey.tif", GREY8)
     private = tifffile.memmap(tmp_path / "grey.tif", mode="c")
     private += 1
@@ -122,14 +122,14 @@ def test_letting_an_image_go_loses_nothing(tmp_path: Path) -> None:
         np.testing.assert_array_equal(image, kept)
 
 
-def test_lzw_tiff_is_read_without_an_extra_codec(shared_data: Callable[[str], Path]) -> None:
+def test_lzw_tiff_is_read(shared_data: Callable[[str], Path]) -> None:
     assert fedic.read_image(shared_data("chessboard/image_00.tif")).shape == (513, 613)
 
 
 @pytest.mark.parametrize("depth", [np.uint8, np.uint16])
 @pytest.mark.parametrize("channels", [3, 4])
 @pytest.mark.parametrize("suffix", [".png", ".tif"])
-def test_colour_becomes_luminance(tmp_path: Path, depth: type, channels: int, suffix: str) -> None:
+def test_colour_is_reduced_to_luminance(tmp_path: Path, depth: type, channels: int, suffix: str) -> None:
     scale = 257 if depth is np.uint16 else 1
     rgb = COLOUR.astype(depth) * depth(scale)
     alpha = np.full((40, 50, 1), 200 * scale, dtype=depth)
@@ -147,7 +147,7 @@ def test_colour_becomes_luminance(tmp_path: Path, depth: type, channels: int, su
 
 
 @pytest.mark.parametrize("planarconfig", ["contig", "separate"])
-def test_both_colour_layouts_of_tiff_are_read(tmp_path: Path, planarconfig: str) -> None:
+def test_contiguous_and_planar_colour_tiffs_are_read(tmp_path: Path, planarconfig: str) -> None:
     stored = COLOUR if planarconfig == "contig" else np.ascontiguousarray(np.moveaxis(COLOUR, -1, 0))
     tifffile.imwrite(tmp_path / "c.tif", stored, photometric="rgb", planarconfig=planarconfig)
     np.testing.assert_allclose(
@@ -155,7 +155,7 @@ def test_both_colour_layouts_of_tiff_are_read(tmp_path: Path, planarconfig: str)
     )
 
 
-def test_missing_empty_and_foreign_images_are_named(tmp_path: Path) -> None:
+def test_missing_empty_and_unknown_image_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(fedic.ImageError, match=r"nothing\.tif: there is no such image file"):
         fedic.read_image(tmp_path / "nothing.tif")
     (tmp_path / "empty.png").touch()
@@ -204,7 +204,7 @@ POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [9, 9,
 
 
 @pytest.mark.parametrize(("suffix", "file_format"), [(".msh", "gmsh22"), (".vtu", "vtu"), (".vtk", "vtk")])
-def test_surface_cells_are_kept_with_all_nodes(tmp_path: Path, suffix: str, file_format: str) -> None:
+def test_surface_cells_and_all_nodes_are_read(tmp_path: Path, suffix: str, file_format: str) -> None:
     path = tmp_path / f"mesh{suffix}"
     cells = [("line", [[0, 1]]), ("quad", [[0, 1, 2, 3]]), ("triangle", [[1, 4, 2]])]
     content = meshio.Mesh(POINTS, cells)
@@ -222,7 +222,7 @@ def test_surface_cells_are_kept_with_all_nodes(tmp_path: Path, suffix: str, file
 
 @pytest.mark.parametrize("version", [2.2, 4.1])
 @pytest.mark.parametrize("binary", [0, 1])
-def test_files_of_gmsh_are_read(tmp_path: Path, gmsh: Any, version: float, binary: int) -> None:
+def test_gmsh_files_are_read(tmp_path: Path, gmsh: Any, version: float, binary: int) -> None:
     gmsh.initialize([], readConfigFiles=False, interruptible=False)
     try:
         for name, value in (("General.Terminal", 0), ("Mesh.MshFileVersion", version), ("Mesh.Binary", binary)):
@@ -240,14 +240,14 @@ def test_files_of_gmsh_are_read(tmp_path: Path, gmsh: Any, version: float, binar
     assert mesh.areas().sum() == pytest.approx(6.0)
 
 
-def test_a_surface_out_of_the_plane_stays_3d(tmp_path: Path) -> None:
+def test_surface_meshes_in_space_keep_their_z_coordinates(tmp_path: Path) -> None:
     points = POINTS.copy()
     points[2, 2] = 0.5
     meshio.write(tmp_path / "mesh.vtu", meshio.Mesh(points, [("quad", [[0, 1, 2, 3]])]))
     np.testing.assert_array_equal(fedic.read_mesh(tmp_path / "mesh.vtu").points, points)
 
 
-def test_volume_missing_and_broken_meshes_are_named(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_volume_missing_and_broken_mesh_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
     meshio.write(tmp_path / "solid.vtu", meshio.Mesh(points, [("tetra", [[0, 1, 2, 3]])]))
     with pytest.raises(fedic.MeshError, match=r"solid\.vtu: no surface cell .*cells found: tetra"):
@@ -294,7 +294,7 @@ U,
 
 
 @pytest.mark.parametrize("quad", ["CPS4", "cpe4r", "CAX4P", "S4R5", "M3D4", "R3D4"])
-def test_abaqus_part_is_read_whatever_the_assembly_holds(tmp_path: Path, quad: str) -> None:
+def test_an_abaqus_part_is_read_regardless_of_the_assembly(tmp_path: Path, quad: str) -> None:
     path = tmp_path / "plate.inp"
     path.write_text(CAE_FILE.format(quad=quad))
     mesh = fedic.read_mesh(path)
@@ -309,7 +309,7 @@ def test_abaqus_part_is_read_whatever_the_assembly_holds(tmp_path: Path, quad: s
     ("element", "cell", "nodes"),
     [("CPS6M", "triangle6", 6), ("STRI65", "triangle6", 6), ("CPE8R", "quad8", 8), ("S9R5", "quad9", 9)],
 )
-def test_abaqus_quadratic_elements(tmp_path: Path, element: str, cell: str, nodes: int) -> None:
+def test_abaqus_quadratic_elements_are_read(tmp_path: Path, element: str, cell: str, nodes: int) -> None:
     corners = [(0, 0), (2, 0), (0, 2), (1, 0), (1, 1), (0, 1)]
     if nodes > 6:
         corners = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)][:nodes]
@@ -332,7 +332,7 @@ def test_abaqus_include_of_itself_is_refused(tmp_path: Path) -> None:
         fedic.read_mesh(tmp_path / "a.inp")
 
 
-def test_abaqus_faults_are_named(tmp_path: Path) -> None:
+def test_errors_in_abaqus_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "bad.inp"
     path.write_text("*NODE\n1, 0, 0\n2, 1, zero\n")
     with pytest.raises(fedic.MeshError, match=r"bad\.inp, line 3: not a valid line of \*NODE"):
@@ -348,7 +348,7 @@ def test_abaqus_faults_are_named(tmp_path: Path) -> None:
         fedic.read_mesh(path)
 
 
-def test_open_hole_meshes(shared_data: Callable[[str], Path]) -> None:
+def test_the_meshes_of_the_open_hole_are_read(shared_data: Callable[[str], Path]) -> None:
     abaqus = fedic.read_mesh(shared_data("openhole/abaqus_q4_m.inp"))
     assert (abaqus.points.shape, abaqus.cells["quad"].shape) == ((1500, 2), (1404, 4))
     gmsh = fedic.read_mesh(shared_data("openhole/gmsh_t3_mm.msh"))
@@ -374,7 +374,7 @@ def test_unstructured_mesh_covers_the_polygon(cell: str, hole: np.ndarray) -> No
     np.testing.assert_array_equal(again.points, mesh.points)
 
 
-def test_unstructured_mesh_leaves_gmsh_as_it_was(gmsh: Any, capfd: pytest.CaptureFixture[str]) -> None:
+def test_unstructured_mesh_restores_the_state_of_gmsh(gmsh: Any, capfd: pytest.CaptureFixture[str]) -> None:
     fedic.unstructured_mesh(SQUARE, 20.0)
     assert not gmsh.isInitialized()
     gmsh.initialize([], readConfigFiles=False, interruptible=False)

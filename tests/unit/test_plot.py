@@ -29,7 +29,7 @@ def linear_result(cell: str) -> fedic.Result:
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_a_linear_field_is_drawn_exactly_on_the_whole_mesh(cell: str) -> None:
+def test_a_linear_field_is_drawn_exactly(cell: str) -> None:
     from matplotlib.figure import Figure
 
     result = linear_result(cell)
@@ -43,7 +43,7 @@ def test_a_linear_field_is_drawn_exactly_on_the_whole_mesh(cell: str) -> None:
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_pictures_show_the_image_with_v_downwards(cell: str, tmp_path: Path) -> None:
+def test_plots_show_the_image_with_v_downwards(cell: str, tmp_path: Path) -> None:
     result = linear_result(cell)
     figure = plot_displacement(result, IMAGE, "x")
     axes, bar = figure.axes
@@ -59,7 +59,7 @@ def test_pictures_show_the_image_with_v_downwards(cell: str, tmp_path: Path) -> 
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["displacement.png", "mesh.png"]
 
 
-def test_signed_fields_have_a_colour_scale_centred_on_zero() -> None:
+def test_the_colour_scale_of_signed_fields_is_centred_on_zero() -> None:
     result = linear_result("quad")
     signed = plot_displacement(result, IMAGE, "x").axes[0].collections[0]
     assert signed.norm.vmin == -signed.norm.vmax  # type: ignore[operator]
@@ -68,7 +68,7 @@ def test_signed_fields_have_a_colour_scale_centred_on_zero() -> None:
     assert positive.norm.vmin > 4.0  # type: ignore[operator]
 
 
-def test_physical_and_pixel_components_carry_their_unit() -> None:
+def test_labels_state_the_unit_of_the_component() -> None:
     result = linear_result("quad")
     object.__setattr__(result, "camera", fedic.FrontParallel(1.0, (0.0, 90.0)))
     assert plot_displacement(result, IMAGE, "y").axes[1].get_ylabel() == "$U_y$ (mesh unit)"
@@ -84,7 +84,7 @@ def test_residual_map_is_cropped_to_the_mesh() -> None:
         plot_residual(np.full((9, 9), np.nan, dtype=np.float32))
 
 
-def test_a_failed_picture_leaves_nothing_behind(tmp_path: Path) -> None:
+def test_a_failed_plot_leaves_no_file(tmp_path: Path) -> None:
     with pytest.raises(fedic.FedicError, match="does not exist"):
         save_figure(plot_mesh(linear_result("quad").mesh, fedic.ImageFrame(), IMAGE), tmp_path / "no" / "mesh.png")
     assert list(tmp_path.iterdir()) == []

@@ -22,7 +22,7 @@ def test_a_known_motion_is_measured(speckle_pair: Pair, quadrature: object, init
     np.testing.assert_allclose(result.displacement, np.tile(MOTION, (mesh.num_nodes, 1)), atol=0.05)
 
 
-def test_a_front_parallel_camera_turns_pixels_into_the_meshs_unit(speckle_pair: Pair) -> None:
+def test_the_displacement_is_in_the_unit_of_the_mesh(speckle_pair: Pair) -> None:
     camera = fedic.FrontParallel(10.0, (0.0, 160.0))
     mesh = fedic.rectangle_mesh((3, 3, 17, 13), size=2)
     result = fedic.correlate(*speckle_pair, mesh, camera, initial="fft")
@@ -30,7 +30,7 @@ def test_a_front_parallel_camera_turns_pixels_into_the_meshs_unit(speckle_pair: 
     np.testing.assert_allclose(result.pixel_displacement.mean(axis=0), MOTION, atol=0.02)
 
 
-def test_a_correlator_measures_many_frames_with_its_own_or_a_given_start(speckle_pair: Pair) -> None:
+def test_a_correlator_measures_several_frames(speckle_pair: Pair) -> None:
     reference, deformed = speckle_pair
     mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
     correlator = fedic.Correlator(reference, mesh, initial="pyramid")
@@ -53,7 +53,7 @@ def test_progress_is_reported_and_recorded(speckle_pair: Pair) -> None:
     assert result.history[-1].correction < 1e-3
 
 
-def test_nodes_of_no_cell_are_nan_and_accepted_as_a_start(speckle_pair: Pair) -> None:
+def test_unused_nodes_are_nan_in_results_and_allowed_in_starts(speckle_pair: Pair) -> None:
     grid = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
     mesh = fedic.Mesh(np.vstack([grid.points, [[0.0, 0.0]]]), grid.cells)
     correlator = fedic.Correlator(speckle_pair[0], mesh)
@@ -72,7 +72,7 @@ def test_nodes_of_no_cell_are_nan_and_accepted_as_a_start(speckle_pair: Pair) ->
         (np.zeros((200, 160), dtype=np.uint8), "160 x 200 px .* reference image is 200 x 160 px"),
     ],
 )
-def test_bad_images_are_explained(speckle_pair: Pair, image: object, message: str) -> None:
+def test_bad_images_are_refused(speckle_pair: Pair, image: object, message: str) -> None:
     with pytest.raises(fedic.ImageError, match=message):
         fedic.correlate(speckle_pair[0], image, fedic.rectangle_mesh((30, 30, 170, 130)))  # type: ignore[arg-type]
 
@@ -92,7 +92,7 @@ def test_float64_and_views_are_accepted(speckle_pair: Pair) -> None:
         ({"quadrature": "edges"}, r"fedic\.MeshQuadrature\(\)"),
     ],
 )
-def test_bad_options_are_explained(speckle_pair: Pair, options: dict, message: str) -> None:
+def test_bad_options_are_refused(speckle_pair: Pair, options: dict, message: str) -> None:
     with pytest.raises(fedic.SolveError, match=message):
         fedic.correlate(*speckle_pair, fedic.rectangle_mesh((30, 30, 170, 130)), **options)
 
@@ -119,7 +119,7 @@ def test_fft_start_finds_a_large_motion(shape: tuple[int, int], extent: float) -
     np.testing.assert_allclose(start, np.tile((shift_u / 4.0, -shift_v / 4.0), (mesh.num_nodes, 1)), atol=1e-9)
 
 
-def test_fft_start_does_not_mind_where_unused_nodes_lie(speckle_pair: Pair) -> None:
+def test_fft_start_ignores_unused_nodes(speckle_pair: Pair) -> None:
     """Far outside the lens model, where no pixel can be taken back."""
     lens = fedic.BrownDistortion((-1.0, 0.0, 0.0))
     camera = fedic.Pinhole((1000, 1000), (100, 80), translation=(0, 0, 1.0), distortion=lens)
@@ -130,7 +130,7 @@ def test_fft_start_does_not_mind_where_unused_nodes_lie(speckle_pair: Pair) -> N
     np.testing.assert_array_equal(start[-1], 0.0)
 
 
-def test_fft_start_needs_texture_and_room() -> None:
+def test_fft_start_refuses_flat_images_and_small_regions() -> None:
     flat = np.zeros((100, 100), dtype=np.uint8)
     with pytest.raises(fedic.SolveError, match="no texture"):
         uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 60, 60)), fedic.ImageFrame())
@@ -139,7 +139,7 @@ def test_fft_start_needs_texture_and_room() -> None:
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
-def test_mesh_files_hold_the_fields(result: fedic.Result, tmp_path: Path, suffix: str) -> None:
+def test_mesh_files_contain_the_fields(result: fedic.Result, tmp_path: Path, suffix: str) -> None:
     path = result.write(tmp_path / f"result{suffix}")
     read = meshio.read(path)
     np.testing.assert_array_equal(read.points[:, :2], result.mesh.points)
@@ -169,14 +169,14 @@ def test_summary_is_plain_json(result: fedic.Result, tmp_path: Path) -> None:
     assert len(content["history"]) == len(result.history)
 
 
-def test_unknown_suffix_and_missing_folder_are_explained(result: fedic.Result, tmp_path: Path) -> None:
+def test_unknown_suffix_and_missing_folder_are_refused(result: fedic.Result, tmp_path: Path) -> None:
     with pytest.raises(fedic.FedicError, match=r"'\.xls'; choose \.vtu, \.vtk, \.npz, \.json"):
         result.write(tmp_path / "result.xls")
     with pytest.raises(fedic.FedicError, match="does not exist; make it first"):
         result.write(tmp_path / "no" / "result.vtu")
 
 
-def test_a_failed_write_keeps_the_old_file(
+def test_a_failed_write_keeps_the_existing_file(
     result: fedic.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "result.npz"
@@ -188,7 +188,7 @@ def test_a_failed_write_keeps_the_old_file(
     assert [entry.name for entry in tmp_path.iterdir()] == ["result.npz"]
 
 
-def test_field_and_strains_between_nodes(result: fedic.Result) -> None:
+def test_displacement_at_points_and_strains_of_cells(result: fedic.Result) -> None:
     np.testing.assert_allclose(result.at([[100.0, 80.0]]), [MOTION], atol=0.05)
     assert np.isnan(result.at([[0.0, 0.0]])).all()
     assert result.strains().shape == (result.mesh.num_cells, 3)
@@ -220,7 +220,7 @@ def test_render_inverts_a_displacement_field() -> None:
         fedic.synthetic.render(texture, camera, (30, 40), displacement=lambda points: 2.0 * points)
 
 
-def test_render_depth_noise_and_seed() -> None:
+def test_render_applies_depth_noise_and_seed() -> None:
     texture, camera = fedic.synthetic.Speckle(5.0), fedic.ImageFrame()
     clean = fedic.synthetic.render(texture, camera, (100, 100), bits=12)
     assert clean.dtype == np.uint16

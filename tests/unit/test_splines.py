@@ -41,7 +41,9 @@ def camera(lens: fedic.SplineDistortion | fedic.InverseSplineDistortion | fedic.
     return fedic.Pinhole((900.0, 905.0), (320.0, 240.0), np.diag([1.0, -1.0, -1.0]), (0.0, 0.0, 900.0), distortion=lens)
 
 
-def test_the_lenses_agree(direct: fedic.SplineDistortion, inverse: fedic.InverseSplineDistortion) -> None:
+def test_spline_lenses_agree_with_the_lens_they_approximate(
+    direct: fedic.SplineDistortion, inverse: fedic.InverseSplineDistortion
+) -> None:
     seen = BROWN.distort(grid())
     np.testing.assert_allclose(direct.distort(grid()), seen, rtol=0, atol=1e-8)
     np.testing.assert_allclose(inverse.distort(grid()), seen, rtol=0, atol=2e-8)
@@ -55,7 +57,7 @@ def test_the_lenses_agree(direct: fedic.SplineDistortion, inverse: fedic.Inverse
     assert (inverse.domain[2:] >= corners[1] - 1e-8).all()
 
 
-def test_a_lens_is_what_its_coefficients_say(direct: fedic.SplineDistortion) -> None:
+def test_distortion_is_the_sum_of_basis_functions_times_coefficients(direct: fedic.SplineDistortion) -> None:
     height, width, _ = direct.coefficients.shape
     basis, by_x, by_y = spline_basis(direct.domain, (width - 3, height - 3), grid())
     np.testing.assert_allclose(basis.sum(axis=1), 1.0, rtol=0, atol=1e-14)
@@ -68,14 +70,16 @@ def test_a_lens_is_what_its_coefficients_say(direct: fedic.SplineDistortion) -> 
 
 
 @given(st.floats(-0.18, 0.18), st.floats(-0.13, 0.13), st.booleans())
-def test_a_camera_takes_back_what_it_shows(x: float, y: float, straight: bool) -> None:
+def test_unproject_inverts_project_with_spline_lenses(x: float, y: float, straight: bool) -> None:
     lens = fedic.SplineDistortion.from_lens(BROWN, DOMAIN, 1e-5)
     view = camera(lens if straight else fedic.InverseSplineDistortion.from_lens(lens, tolerance=1e-5))
     pixels = view.project([[900.0 * x, 900.0 * y]])
     np.testing.assert_allclose(view.project(view.unproject(pixels)), pixels, rtol=0, atol=1e-9)
 
 
-def test_unprojection_is_that_of_opencv(direct: fedic.SplineDistortion, inverse: fedic.InverseSplineDistortion) -> None:
+def test_unprojection_agrees_with_opencv(
+    direct: fedic.SplineDistortion, inverse: fedic.InverseSplineDistortion
+) -> None:
     (k1, k2, k3), (d1, d2), (p1, p2) = BROWN.radial, BROWN.decentering, BROWN.prism
     coefficients = np.array([k1, k2, d1, d2, k3, 0.0, 0.0, 0.0, p1, 0.0, p2, 0.0])
     matrix = np.array([[900.0, 0.0, 320.0], [0.0, 905.0, 240.0], [0.0, 0.0, 1.0]])
@@ -90,7 +94,7 @@ def test_unprojection_is_that_of_opencv(direct: fedic.SplineDistortion, inverse:
         np.testing.assert_allclose(camera(lens).unproject(pixels)[:, :2], wanted, rtol=0, atol=atol)
 
 
-def test_a_measurement_sees_a_spline_as_the_lens_it_follows(
+def test_displacement_with_a_spline_lens_agrees_with_the_approximated_lens(
     direct: fedic.SplineDistortion,
     inverse: fedic.InverseSplineDistortion,
 ) -> None:
@@ -107,7 +111,7 @@ def test_a_measurement_sees_a_spline_as_the_lens_it_follows(
         np.testing.assert_array_equal(alone.displacement, result.displacement)
 
 
-def test_beyond_the_domain_one_is_warned(direct: fedic.SplineDistortion, speckle_pair: tuple) -> None:
+def test_extrapolation_beyond_the_domain_warns(direct: fedic.SplineDistortion, speckle_pair: tuple) -> None:
     points = np.array([[0.0, 0.0], [179.0, 0.0], [181.0, 0.0]])
     assert camera(direct).covers(points).tolist() == [True, True, False]
     assert camera(BROWN).covers(points).all()
@@ -145,12 +149,12 @@ def test_beyond_the_domain_one_is_warned(direct: fedic.SplineDistortion, speckle
         (lambda: camera(BROWN).covers("here"), "points must be"),
     ],
 )
-def test_what_is_no_lens(make, message: str) -> None:
+def test_bad_spline_lenses_are_refused(make, message: str) -> None:
     with pytest.raises(fedic.CameraError, match=message):
         make()
 
 
-def test_files_hold_a_spline(
+def test_toml_files_preserve_spline_lenses(
     direct: fedic.SplineDistortion, inverse: fedic.InverseSplineDistortion, tmp_path: Path
 ) -> None:
     for lens in (direct, inverse):
@@ -182,7 +186,7 @@ def wavy() -> tuple[Scene, list[NDArray[np.float64]], list[NDArray[np.float64]]]
     return scene, views.points, views.pixels
 
 
-def test_a_calibration_finds_a_lens_of_any_shape(wavy: tuple) -> None:
+def test_calibration_finds_a_lens_outside_the_brown_model(wavy: tuple) -> None:
     _, points, pixels = wavy
     found = calibrate_points(points, pixels, (WIDTH, HEIGHT), "spline")
     assert isinstance(found.camera.distortion, fedic.SplineDistortion)
@@ -205,7 +209,7 @@ def test_a_calibration_finds_a_lens_of_any_shape(wavy: tuple) -> None:
         assert abs(part) < 1e-3, "root mean square of this rigid part of the field, in pixels"
 
 
-def test_points_that_do_not_belong_are_left_out_of_a_spline(wavy: tuple) -> None:
+def test_spline_calibration_rejects_outliers(wavy: tuple) -> None:
     _, points, pixels = wavy
     spoilt = [each.copy() for each in pixels]
     spoilt[3][17] += 5.0
@@ -216,7 +220,7 @@ def test_points_that_do_not_belong_are_left_out_of_a_spline(wavy: tuple) -> None
     assert found.reprojection_error < 0.0283
 
 
-def test_a_strong_lens_is_found_from_a_poor_start(wavy: tuple) -> None:
+def test_calibration_finds_a_strong_lens(wavy: tuple) -> None:
     lens = fedic.BrownDistortion((-0.3, 0.1, 0.0))
     scene = Scene(lens, focal=1600.0)
     views = experiment._views(scene, np.random.default_rng(2))
@@ -232,13 +236,13 @@ def test_a_strong_lens_is_found_from_a_poor_start(wavy: tuple) -> None:
     assert 1600.0 * np.abs(turned - true).max() < 0.03
 
 
-def test_a_real_chessboard(shared_data: Callable[[str], Path]) -> None:
+def test_real_chessboard_images(shared_data: Callable[[str], Path]) -> None:
     found = fedic.calibrate(f"{shared_data('chessboard')}/*.tif", "chessboard:11x7:8", "spline")
     assert all(view.accepted for view in found.views)
     assert found.reprojection_error < 0.0385  # 0.0377, where radial1 leaves 0.053 and brown 0.043
 
 
-def test_too_few_points_for_a_spline(wavy: tuple) -> None:
+def test_a_spline_with_too_few_points_is_refused(wavy: tuple) -> None:
     _, points, pixels = wavy
     few = slice(None, None, 40)
     with pytest.raises(fedic.CameraError, match=r"needs at least 200, .* the views have 150\. Take more views"):
@@ -247,7 +251,7 @@ def test_too_few_points_for_a_spline(wavy: tuple) -> None:
         calibrate_points(points, pixels, (WIDTH, HEIGHT), "radial1+spline")
 
 
-def test_the_camera_from_the_specimen_leaves_a_spline_alone(
+def test_specimen_calibration_refuses_brown_coefficients_of_a_spline_lens(
     direct: fedic.SplineDistortion, speckle_pair: tuple
 ) -> None:
     mesh = fedic.rectangle_mesh((-60.0, -40.0, 60.0, 40.0), 20.0)
@@ -258,14 +262,14 @@ def test_the_camera_from_the_specimen_leaves_a_spline_alone(
         fedic.calibrate_on_specimen(speckle_pair[0], speckle_pair[1:], mesh, view, ["k1"])
 
 
-def test_quick_experiment() -> None:
+def test_quick_experiment_holds_its_claims() -> None:
     outcome = experiment.run(fedic.experiments.Request(quick=True))
     assert [claim.text for claim in outcome.claims if not claim.holds] == []
     assert {row["model"] for row in outcome.rows} == set(experiment.MODELS)
     assert outcome.figures[""].axes
 
 
-def test_the_command_line_refuses_before_any_work(tmp_path: Path) -> None:
+def test_the_command_line_refuses_an_output_format_before_calibrating(tmp_path: Path) -> None:
     from typer.testing import CliRunner
 
     from fedic.cli import app

@@ -47,7 +47,7 @@ def aperture_error(camera: fedic.Pinhole, rows: tuple[int, int], width: int, sup
     return float(np.abs(camera.project(points) - sample_pixels(rows, width, supersampling)).max())
 
 
-def test_the_aperture_follows_the_lens() -> None:
+def test_aperture_points_project_into_the_pixel_through_a_lens() -> None:
     # The first rows hold the corners, where the lens bends most.
     assert aperture_error(DEMO_CAMERA, (0, 4), 1388, 3) < 3e-7
     wide = pinhole(1400.0, (700.0, 500.0), -0.2)
@@ -73,7 +73,7 @@ def test_the_aperture_of_a_flat_camera_is_exact(name: str) -> None:
     np.testing.assert_allclose(points.reshape(-1, 2), expected, rtol=0, atol=1e-13)
 
 
-def test_pixels_that_see_no_point_are_named() -> None:
+def test_pixels_without_a_point_on_the_plane_are_refused() -> None:
     folded = pinhole(1000.0, (500.0, 500.0), -1.0)
     with pytest.raises(fedic.CameraError, match=r"pixels cannot be taken back to the plane Z = 0, .* at \(0, 0\)"):
         aperture_points(folded, (0, 10), 1000, 3)
@@ -102,7 +102,7 @@ def waves(amplitude: float, period: float) -> Callable[[Floats], Floats]:
 
 
 @pytest.mark.parametrize("name", list(CAMERAS))
-def test_a_displaced_image_shows_the_texture_at_the_inverted_positions(name: str) -> None:
+def test_a_displaced_image_samples_the_texture_at_inverted_positions(name: str) -> None:
     camera = CAMERAS[name]
     pixel = 1.0 if name == "frame" else MILLIMETRES
     texture, displacement = Speckle(5.5 * pixel, seed=2), waves(2.0 * pixel, 60.0 * pixel)
@@ -125,7 +125,7 @@ def test_a_displacement_of_the_wrong_shape_is_refused() -> None:
         render(Speckle(5.0), fedic.ImageFrame(), (20, 20), displacement=lambda points: np.zeros(2))
 
 
-def test_the_texture_does_not_depend_on_how_many_points_are_asked_for() -> None:
+def test_texture_values_do_not_depend_on_the_batch_size() -> None:
     texture = Speckle(0.7, seed=9)
     points = np.random.default_rng(0).uniform(-50.0, 50.0, (300, 3))
     one_by_one = np.concatenate([texture.values(point[np.newaxis]) for point in points])
@@ -144,7 +144,7 @@ def test_progress_ends_at_one() -> None:
 
 @pytest.mark.parametrize("level", [0.0, 20.0, 120.0, 3000.0])
 @pytest.mark.parametrize(("noise", "shot_noise"), [(2.0, 0.0), (0.0, 0.05), (1.5, 0.4)])
-def test_noise_has_the_mean_and_the_variance_asked_for(level: float, noise: float, shot_noise: float) -> None:
+def test_noise_has_the_given_mean_and_variance(level: float, noise: float, shot_noise: float) -> None:
     count = 400 * 500
     sample = add_noise(np.full((400, 500), level), noise=noise, shot_noise=shot_noise, seed=7).astype(np.float64)
     variance = noise**2 + shot_noise * level
@@ -153,7 +153,7 @@ def test_noise_has_the_mean_and_the_variance_asked_for(level: float, noise: floa
     assert abs(sample.var() - variance) <= 5.0 * variance * np.sqrt(2.0 / count) + 1e-6
 
 
-def test_noise_differs_between_pixels_and_seeds_only() -> None:
+def test_noise_depends_on_pixel_and_seed_only() -> None:
     flat = np.full((200, 300), 100.0)
     sample = add_noise(flat, noise=1.0, seed=3) - flat
     np.testing.assert_array_equal(sample, add_noise(flat, noise=1.0, seed=3) - flat)
@@ -172,7 +172,7 @@ def test_quantisation_rounds_and_clips(bits: int, dtype: type) -> None:
     np.testing.assert_array_equal(image, [[0, 0, 1, 99, full - 1, full, full]])
 
 
-def test_without_options_noise_changes_nothing() -> None:
+def test_add_noise_without_options_keeps_the_image() -> None:
     image = np.arange(12, dtype=np.uint16).reshape(3, 4)
     same = add_noise(image)
     assert same.dtype == np.float32
@@ -197,7 +197,7 @@ def test_render_adds_the_noise_of_add_noise() -> None:
         ({"bits": 10}, "bits=10"),
     ],
 )
-def test_impossible_noise_is_refused(options: dict[str, float], words: str) -> None:
+def test_bad_noise_options_are_refused(options: dict[str, float], words: str) -> None:
     with pytest.raises(fedic.ImageError, match=f"add_noise: .*{words}"):
         add_noise(np.zeros((4, 4)), **options)  # type: ignore[call-overload]
     with pytest.raises(fedic.ImageError, match=f"render: .*{words}"):
@@ -223,13 +223,13 @@ def band_limited(height: int, width: int, du: float = 0.0, dv: float = 0.0) -> F
 
 @pytest.mark.parametrize("shift", [(0.5, 0.0), (-0.37, 1.62), (3.3, -7.9)])
 @pytest.mark.parametrize("shape", [(150, 201), (181, 160)])
-def test_a_shifted_texture_has_its_analytic_values(shift: tuple[float, float], shape: tuple[int, int]) -> None:
+def test_fourier_shift_agrees_with_the_analytic_texture(shift: tuple[float, float], shape: tuple[int, int]) -> None:
     shifted = fourier_shift(band_limited(*shape), shift)
     assert shifted.dtype == np.float32
     assert np.abs(inside(shifted) - inside(band_limited(*shape, *shift))).max() < 1e-3
 
 
-def test_a_shift_by_whole_pixels_moves_the_pixels() -> None:
+def test_fourier_shift_by_whole_pixels_rolls_the_image() -> None:
     image = render(Speckle(5.0, seed=6), fedic.ImageFrame(), (140, 171))
     shifted = fourier_shift(image, (7.0, -3.0))
     moved = np.roll(image, (-3, 7), axis=(0, 1))
@@ -238,7 +238,7 @@ def test_a_shift_by_whole_pixels_moves_the_pixels() -> None:
     np.testing.assert_allclose(fourier_shift(image, (0.0, 0.0)), image, atol=1e-4)
 
 
-def test_a_shift_and_its_opposite_give_the_image_back() -> None:
+def test_opposite_fourier_shifts_cancel() -> None:
     ramp = np.linspace(0.0, 120.0, 171)
     image = render(Speckle(5.0, seed=6), fedic.ImageFrame(), (140, 171), levels=(0.1, 0.5)) + ramp
     back = fourier_shift(fourier_shift(image, (0.4, -2.3)), (-0.4, 2.3))
@@ -250,13 +250,13 @@ def test_a_shift_and_its_opposite_give_the_image_back() -> None:
     "image",
     [np.zeros(5), np.zeros((4, 4, 3)), np.zeros((0, 4)), np.full((3, 3), np.nan), np.zeros((3, 3), complex), None],
 )
-def test_what_is_no_image_is_refused(image: NDArray[np.float64]) -> None:
+def test_bad_images_are_refused_by_shift_and_noise(image: NDArray[np.float64]) -> None:
     for change in (lambda: fourier_shift(image, (0.5, 0.5)), lambda: add_noise(image, noise=1.0)):
         with pytest.raises(fedic.ImageError, match="The given image"):
             change()
 
 
 @pytest.mark.parametrize("shift", [(1.0,), (0.0, np.inf), (1.0, 2.0, 3.0)])
-def test_an_impossible_shift_is_refused(shift: tuple[float, float]) -> None:
+def test_bad_shifts_are_refused(shift: tuple[float, float]) -> None:
     with pytest.raises(fedic.ImageError, match=r"give a pair \(du, dv\)"):
         fourier_shift(np.zeros((4, 4)), shift)

@@ -35,7 +35,7 @@ def images() -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("rule", ["rotated", "edges", "diameter", "pixel"])
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("hessian", ["initial", "updated"])
-def test_first_step_is_that_of_a_dense_system(
+def test_first_step_agrees_with_a_dense_system(
     images: tuple[np.ndarray, np.ndarray], camera: str, rule: str, cell: str, hessian: str
 ) -> None:
     projector = CAMERAS[camera]
@@ -76,7 +76,7 @@ def test_first_step_is_that_of_a_dense_system(
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_solution_is_that_of_plain_loops(images: tuple[np.ndarray, np.ndarray], cell: str) -> None:
+def test_solution_agrees_with_a_dense_double_precision_solver(images: tuple[np.ndarray, np.ndarray], cell: str) -> None:
     """Iterated to the end on noisy images: 20-bit gradients and single precision do not move the solution."""
     noise = np.random.default_rng(5).normal(0.0, 2.0, (2, 140, 160)).astype(np.float32)
     reference, deformed = images[0] + noise[0], images[1] + noise[1]

@@ -72,7 +72,7 @@ def dense_deviations(
 @pytest.mark.parametrize("camera", CAMERAS)
 @pytest.mark.parametrize("quadrature", [DENSE, COARSE, PIXELS], ids=str)
 @pytest.mark.parametrize("cell", ["triangle", "quad", "quad8"])
-def test_standard_deviations_are_those_of_dense_matrices(camera: str, quadrature: object, cell: str) -> None:
+def test_standard_deviations_agree_with_dense_matrices(camera: str, quadrature: object, cell: str) -> None:
     projector = CAMERAS[camera]
     in_pixels = shaken_mesh(cell)
     mesh = fedic.Mesh(projector.unproject(in_pixels.points)[:, :2], in_pixels.cells)
@@ -83,14 +83,14 @@ def test_standard_deviations_are_those_of_dense_matrices(camera: str, quadrature
 
 
 @pytest.mark.parametrize("quadrature", [DENSE, fedic.MeshQuadrature(density=0.05)], ids=str)
-def test_a_smoothing_reads_the_gradient_of_the_image_filtered_twice(quadrature: object) -> None:
+def test_standard_deviations_with_smoothing_agree_with_dense_matrices(quadrature: object) -> None:
     image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
     correlator = fedic.Correlator(image, mesh, quadrature=quadrature, interpolation="bspline3")  # type: ignore[arg-type]
     expected = dense_deviations(image, mesh, fedic.ImageFrame(), quadrature, 3.0, smoothing=0.8)
     np.testing.assert_allclose(correlator.standard_deviations(3.0), expected, rtol=1e-4)
 
 
-def test_a_plane_at_a_slant_is_seen_by_fewer_pixels() -> None:
+def test_standard_deviations_on_a_slanted_plane_agree_with_dense_matrices() -> None:
     camera = fedic.FrontParallel(10.0, (0.0, 140.0))
     flat = fedic.rectangle_mesh((2.03, 2.06, 15.02, 12.91), 2.0)
     mesh = fedic.Mesh(np.column_stack([flat.points, 0.6 * flat.points[:, 0]]), flat.cells)
@@ -116,7 +116,9 @@ def test_a_plane_at_a_slant_is_seen_by_fewer_pixels() -> None:
         ("quad", {"regularization_length": 80.0, **BARE}, 0.03),
     ],
 )
-def test_noisy_images_scatter_as_predicted(cell: str, options: dict[str, object], within: float) -> None:
+def test_the_scatter_of_noisy_measurements_agrees_with_the_prediction(
+    cell: str, options: dict[str, object], within: float
+) -> None:
     """Both images carry the noise, and the prediction knows only the noisy reference of the first draw."""
     noise, draws = 1.0, 200
     images, mesh, rng = (speckle(), speckle(SHIFT)), shaken_mesh(cell), np.random.default_rng(5)
@@ -134,7 +136,7 @@ def test_noisy_images_scatter_as_predicted(cell: str, options: dict[str, object]
     assert np.abs(np.mean(errors, axis=(0, 1))).max() < 4 * measured.mean() / np.sqrt(draws)
 
 
-def test_finite_differences_scatter_less_than_predicted() -> None:
+def test_finite_difference_gradients_scatter_less_than_predicted() -> None:
     """They are shorter than the gradient, and the residual varies with the gradient: by 11 % on this fine a speckle."""
     images, mesh, rng = (speckle(), speckle(SHIFT)), shaken_mesh("quad"), np.random.default_rng(5)
     found = []
@@ -146,7 +148,7 @@ def test_finite_differences_scatter_less_than_predicted() -> None:
     assert 0.85 < ratio < 0.95
 
 
-def test_the_deviation_is_proportional_to_the_noise() -> None:
+def test_standard_deviations_are_proportional_to_the_noise() -> None:
     correlator = fedic.Correlator(speckle().astype(np.float32), shaken_mesh("quad"))
     once = correlator.standard_deviations(1.5)
     assert once.min() > 0.0
@@ -155,7 +157,7 @@ def test_the_deviation_is_proportional_to_the_noise() -> None:
 
 
 @pytest.mark.parametrize("quadrature", [DENSE, PIXELS], ids=str)
-def test_the_deviation_has_the_unit_of_the_mesh(quadrature: object) -> None:
+def test_standard_deviations_are_in_the_unit_of_the_mesh(quadrature: object) -> None:
     image = speckle().astype(np.float32)
 
     def deviations(unit: float) -> np.ndarray:
@@ -167,7 +169,7 @@ def test_the_deviation_has_the_unit_of_the_mesh(quadrature: object) -> None:
     np.testing.assert_allclose(metres, 1e-3 * millimetres, rtol=1e-4)
 
 
-def test_smoothing_lowers_the_deviation() -> None:
+def test_regularization_lowers_the_standard_deviations() -> None:
     image, mesh = speckle().astype(np.float32), shaken_mesh("quad")
     free, smooth = (
         fedic.Correlator(image, mesh, regularization_length=length).standard_deviations(1.0) for length in (None, 80.0)
@@ -186,7 +188,7 @@ def test_unused_nodes_are_nan() -> None:
 
 
 @pytest.mark.parametrize("noise", [-1.0, float("nan"), float("inf")])
-def test_a_noise_that_is_no_standard_deviation_is_refused(noise: float) -> None:
+def test_bad_noise_is_refused(noise: float) -> None:
     correlator = fedic.Correlator(speckle().astype(np.float32), shaken_mesh("quad"))
     with pytest.raises(fedic.SolveError, match="noise must be zero or a positive standard deviation in grey levels"):
         correlator.standard_deviations(noise)

@@ -44,7 +44,7 @@ def from_board(pixels: list[NDArray[np.float64]], distortion: str = "radial1") -
 
 
 @pytest.mark.parametrize("distortion", LENSES)
-def test_points_without_noise_give_the_camera_back(distortion: str) -> None:
+def test_exact_points_recover_the_camera(distortion: str) -> None:
     pixels = views(distortion)
     calibration = from_board(pixels, distortion)
     truth = true_parameters(LENSES[distortion])
@@ -84,7 +84,7 @@ def test_parameters_lie_within_their_standard_deviations(distortion: str) -> Non
         ("brown", 0.050, 0),
     ],
 )
-def test_a_real_chessboard(shared_data: Callable[[str], Path], distortion: str, limit: float, flags: int) -> None:
+def test_real_chessboard_images(shared_data: Callable[[str], Path], distortion: str, limit: float, flags: int) -> None:
     images = sorted(shared_data("chessboard").glob("*.tif"))
     calibration = fedic.calibrate(images, "chessboard:11x7:8", distortion)
     assert len(calibration.views) == 20
@@ -111,7 +111,7 @@ def test_a_real_chessboard(shared_data: Callable[[str], Path], distortion: str, 
     "text",
     ["chessboard:11x8:8", "circles:9x7:10", "asymmetric-circles:7x11:7", "charuco:12x9:8:6:DICT_5X5_100"],
 )
-def test_rendered_targets(text: str) -> None:
+def test_the_camera_is_recovered_from_rendered_targets(text: str) -> None:
     target, lens = parse_target(text), fedic.BrownDistortion((-0.15, 0.08, 0.0), (1e-3, -5e-4))
     cameras, texture = poses(target, 12, lens), Texture(target)
     images = [
@@ -142,7 +142,7 @@ def test_rendered_targets(text: str) -> None:
         assert min(errors) <= 0.05
 
 
-def test_unprojection_is_that_of_opencv() -> None:
+def test_unprojection_agrees_with_opencv() -> None:
     lens = fedic.BrownDistortion((-0.2, 0.1, 0.02), (1e-3, -5e-4), (8e-4, -6e-4))
     camera = fedic.Pinhole(FOCAL, CENTRE, translation=(0.0, 0.0, 1.0), distortion=lens)
     grid = np.stack(np.meshgrid(np.linspace(0, 639, 33), np.linspace(0, 479, 25)), axis=-1).reshape(-1, 2)
@@ -158,7 +158,7 @@ def test_unprojection_is_that_of_opencv() -> None:
     np.testing.assert_allclose(ours, straight[:, 0], rtol=0, atol=1e-6)
 
 
-def test_a_light_target_on_a_dark_ground_and_16_bits() -> None:
+def test_a_light_target_on_a_dark_16_bit_image_is_found() -> None:
     target = parse_target("circles:9x7:10")
     cameras, texture = poses(target, 4, LENSES["radial1"]), Texture(target)
     images = [
@@ -170,7 +170,7 @@ def test_a_light_target_on_a_dark_ground_and_16_bits() -> None:
     assert calibration.reprojection_error < 0.02
 
 
-def test_bad_views_and_points_are_left_out() -> None:
+def test_bad_views_and_points_are_rejected() -> None:
     pixels = noisy(views(), 0)
     rng = np.random.default_rng(1)
     pixels[2] = np.roll(pixels[2], 3, axis=0)
@@ -188,7 +188,7 @@ def test_bad_views_and_points_are_left_out() -> None:
         assert abs(value - truth[name]) < 4.0 * calibration.standard_deviations[name]
 
 
-def test_the_same_from_any_view() -> None:
+def test_the_pose_can_come_from_any_view() -> None:
     pixels = noisy(views(), 0)
     calibration = calibrate_points([BOARD.points] * 12, pixels, SIZE, view=5)
     assert calibration.view == 5
@@ -225,12 +225,12 @@ def parallel_views() -> list[NDArray[np.float64]]:
         ([np.full((88, 2), np.nan)] * 3, "image 0: the points must be finite"),
     ],
 )
-def test_views_that_give_no_camera(pixels: list[NDArray[np.float64]], message: str) -> None:
+def test_insufficient_views_are_refused(pixels: list[NDArray[np.float64]], message: str) -> None:
     with pytest.raises(fedic.CameraError, match=message):
         from_board(pixels)
 
 
-def test_points_on_a_line() -> None:
+def test_collinear_points_are_refused() -> None:
     with pytest.raises(fedic.CameraError, match="The points of the view number 0 lie on a line"):
         calibrate_points([BOARD.points[:11]] * 4, [each[:11] for each in views()[:4]], SIZE)
 
@@ -264,7 +264,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_images_that_cannot_be_used(folder: Path) -> None:
+def test_unusable_images_are_reported_with_the_reason(folder: Path) -> None:
     blank = np.full(SHAPE, 128, dtype=np.uint8)
     assert cv2.imwrite(str(folder / "view-5.png"), blank)
     (folder / "view-6.png").write_bytes(b"")
@@ -304,18 +304,18 @@ def test_images_that_cannot_be_used(folder: Path) -> None:
         ("charuco:5x7:8:6:DICT_4X4", "'DICT_4X4' is no dictionary of markers; OpenCV knows DICT_4X4_100"),
     ],
 )
-def test_misspelt_targets(text: str, message: str) -> None:
+def test_misspelt_targets_are_refused(text: str, message: str) -> None:
     with pytest.raises(fedic.CameraError, match=message):
         parse_target(text)
 
 
 @pytest.mark.parametrize("distortion", ["radial4", "radial1+", ["radial1", "tilt"], [], "fisheye"])
-def test_misspelt_distortions(distortion: str | list[str]) -> None:
+def test_misspelt_distortions_are_refused(distortion: str | list[str]) -> None:
     with pytest.raises(fedic.CameraError, match="is unknown; give none, radial1"):
         calibrate_points([BOARD.points], [BOARD.points[:, :2]], SIZE, distortion)
 
 
-def test_command_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_line_calibrates(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
     images = [f"view-{index}.png" for index in range(5)]
     arguments = ["calibrate", *images, "--target", "chessboard:7x5:12", "--picture", "residuals.png"]

@@ -38,7 +38,7 @@ def folder(tmp_path: Path, speckle_pair: tuple[NDArray[np.uint8], NDArray[np.uin
     return tmp_path
 
 
-def test_version() -> None:
+def test_version_is_printed() -> None:
     outcome = RUNNER.invoke(app, ["--version"])
     assert (outcome.exit_code, outcome.output) == (0, f"fedic {fedic.__version__}\n")
 
@@ -63,7 +63,7 @@ def test_run_writes_the_results(folder: Path) -> None:
     assert "moved.png: converged in" in outcome.stdout
 
 
-def test_run_maps_large_images(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_run_maps_large_images_from_their_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for stem in ("reference", "moved"):
         image = cv2.imread(str(folder / f"{stem}.png"), cv2.IMREAD_UNCHANGED)
         assert cv2.imwrite(str(folder / f"{stem}.tif"), image, [cv2.IMWRITE_TIFF_COMPRESSION, 1])
@@ -82,7 +82,7 @@ def test_run_maps_large_images(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert held == [[True, True]] * 2
 
 
-def test_a_frame_that_fails_does_not_stop_the_others(folder: Path) -> None:
+def test_a_failed_frame_does_not_stop_the_others(folder: Path) -> None:
     assert cv2.imwrite(str(folder / "moved.png"), np.zeros((10, 10), dtype=np.uint8))
     outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
     assert outcome.exit_code == 2
@@ -92,7 +92,7 @@ def test_a_frame_that_fails_does_not_stop_the_others(folder: Path) -> None:
     assert frames[1]["converged"]
 
 
-def test_faults_are_sentences_without_traceback(folder: Path) -> None:
+def test_errors_are_printed_without_traceback(folder: Path) -> None:
     (folder / "test.toml").write_text(CONFIG.replace("bounds", "bonds"))
     outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
     assert outcome.exit_code == 2
@@ -126,7 +126,7 @@ def demo_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_lines_of_the_readme_run(demo_folder: Path, repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_code_of_the_readme_runs(demo_folder: Path, repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (repository / "README.md").read_text()
     lines = readme.split("```python\n")[1].split("```")[0]
     monkeypatch.chdir(demo_folder.parent)
@@ -137,7 +137,7 @@ def test_the_lines_of_the_readme_run(demo_folder: Path, repository: Path, monkey
     assert (demo_folder.parent / "displacement.vtu").exists()
 
 
-def test_the_speckle_of_the_demo_is_that_of_the_reference(demo_folder: Path) -> None:
+def test_the_speckle_of_the_demo_has_the_documented_statistics(demo_folder: Path) -> None:
     """A standard deviation of 58 grey levels and a gradient of 23 per pixel along each axis."""
     image = fedic.read_image(demo_folder / "reference.tif").astype(float)
     assert image.std() == pytest.approx(57.3, abs=0.5)
@@ -160,7 +160,7 @@ def test_demo_finds_the_bias_of_the_lens(demo_folder: Path) -> None:
     np.testing.assert_allclose(found["without_lens"]["std_px"], (0.0077, 0.0062), rtol=0.1)
 
 
-def test_progress_is_silent_when_stderr_is_no_terminal(
+def test_progress_prints_nothing_unless_stderr_is_a_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("fedic._internal.progress._PATIENCE_SECONDS", 0.0)
@@ -172,7 +172,7 @@ def test_progress_is_silent_when_stderr_is_no_terminal(
 
 
 @pytest.mark.parametrize(("patience", "shown"), [(0.0, True), (60.0, False)])
-def test_progress_appears_on_a_terminal_when_work_lasts(
+def test_progress_appears_on_a_terminal_after_the_delay(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], patience: float, shown: bool
 ) -> None:
     monkeypatch.setattr("fedic._internal.progress._PATIENCE_SECONDS", patience)
@@ -185,7 +185,7 @@ def test_progress_appears_on_a_terminal_when_work_lasts(
     assert ("frame: pyramid, level 1, iteration 2: correction 0.12 px, residual 3" in text) == shown
 
 
-def test_import_is_light() -> None:
+def test_importing_fedic_loads_no_heavy_modules() -> None:
     heavy = "cv2 gmsh matplotlib meshio pydantic rich scipy tifffile typer fedic.calibration fedic.registration"
     code = f"import fedic, sys; print([name for name in {heavy.split()} if name in sys.modules])"
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

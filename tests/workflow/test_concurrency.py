@@ -21,7 +21,9 @@ def images() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("quadrature", [fedic.MeshQuadrature(), fedic.PixelQuadrature()])
-def test_the_bits_do_not_depend_on_the_threads(images: tuple[np.ndarray, np.ndarray], quadrature: object) -> None:
+def test_results_do_not_depend_on_the_number_of_threads(
+    images: tuple[np.ndarray, np.ndarray], quadrature: object
+) -> None:
     mesh = fedic.rectangle_mesh((20, 20, 680, 580), 14, "triangle6")
     results = [
         fedic.correlate(*images, mesh, quadrature=quadrature, initial="pyramid", num_threads=n)  # type: ignore[arg-type]
@@ -84,7 +86,7 @@ def test_ctrl_c_stops_a_correlation_within_two_processor_seconds(density: float,
         assert process.wait() == 0
 
 
-def test_an_exception_in_the_progress_callback_stops_the_work(images: tuple[np.ndarray, np.ndarray]) -> None:
+def test_an_exception_in_the_progress_callback_propagates(images: tuple[np.ndarray, np.ndarray]) -> None:
     def refuse(*_: object) -> None:
         raise RuntimeError("enough")
 

@@ -52,7 +52,7 @@ def test_fig7_on_the_open_hole(gmsh: Any, shared_data: Shared) -> None:
     assert 0.0014 < mesh["bias_px"] < 0.002
 
 
-def test_fig8_noise_over_density(gmsh: Any) -> None:
+def test_fig8_noise_against_density(gmsh: Any) -> None:
     outcome = run_experiment("fig8", Request(quick=True))
     for rule in ("edges", "rotated"):
         (half,), (one,), (twice,) = (
@@ -64,7 +64,7 @@ def test_fig8_noise_over_density(gmsh: Any) -> None:
         assert 0.98 < twice["noise_over_bound"] / one["noise_over_bound"] < 1.01
 
 
-def test_noise_is_the_predicted_one() -> None:
+def test_measured_noise_agrees_with_the_prediction() -> None:
     outcome = run_experiment("noise", Request(quick=True))
     for row in pick(outcome, cell="quad"):
         assert row["draws"] >= 200
@@ -74,7 +74,7 @@ def test_noise_is_the_predicted_one() -> None:
     assert {row["cell"] for row in outcome.rows} == {"triangle", "triangle6", "quad", "quad8", "quad9"}
 
 
-def test_interpolation_shows_why_the_default(gmsh: Any) -> None:
+def test_interpolation_experiment_supports_the_defaults(gmsh: Any) -> None:
     outcome = run_experiment("interpolation", Request(quick=True))
     assert all(verdicts(outcome).values()), verdicts(outcome)
     rows = pick(outcome, mesh="unstructured", rule="rotated", interpolation="bspline5")
@@ -83,12 +83,12 @@ def test_interpolation_shows_why_the_default(gmsh: Any) -> None:
     assert chosen["stretch_error_px"] > bare["stretch_error_px"]
 
 
-def test_an_image_too_small_is_refused(gmsh: Any) -> None:
+def test_too_small_images_are_refused(gmsh: Any) -> None:
     with pytest.raises(fedic.ImageError, match=r"at least 300 x 401 px \(columns x rows\); it has 200 x 160"):
         run_experiment("fig7", Request(quick=True, image=np.zeros((160, 200), dtype=np.uint8)))
 
 
-def test_unknown_experiments_are_named() -> None:
+def test_unknown_experiments_are_refused() -> None:
     outcome = RUNNER.invoke(app, ["experiment", "fig9"])
     assert outcome.exit_code == 2
     assert "no experiment 'fig9'; choose one of fig7, fig8" in outcome.stderr

@@ -40,7 +40,7 @@ def column(found: list[dict[str, Any]], key: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["fig14", "fig15", "fig16", "distortion"])
-def test_every_measurement_converged_and_progress_was_told(quick: Callable[[str], Outcome], name: str) -> None:
+def test_every_measurement_converges_and_reports_progress(quick: Callable[[str], Outcome], name: str) -> None:
     outcome = quick(name)
     assert outcome.name == name
     assert outcome.figures[""].axes
@@ -51,7 +51,7 @@ def test_every_measurement_converged_and_progress_was_told(quick: Callable[[str]
     assert fractions[-1] <= 1.0
 
 
-def test_fig14_with_the_lens_the_error_is_that_of_rounding(quick: Callable[[str], Outcome]) -> None:
+def test_fig14_the_error_with_the_lens_is_the_rounding_error(quick: Callable[[str], Outcome]) -> None:
     outcome = quick("fig14")
     assert [text.split(",")[0] for text in verdicts(outcome)] == ["paper"]
     for cell, size, std in (("quad", 10, 3.4e-3), ("quad", 20, 1.75e-3), ("triangle", 20, 1.55e-3)):
@@ -66,13 +66,13 @@ def test_fig14_with_the_lens_the_error_is_that_of_rounding(quick: Callable[[str]
     assert_allclose(column(ignored, "bias_v_px"), 0.0092, rtol=0.03)
 
 
-def test_fig14_the_papers_setting_has_a_bias_of_its_own_at_ten_pixels(quick: Callable[[str], Outcome]) -> None:
+def test_fig14_the_settings_of_the_paper_have_a_bias_at_ten_pixels(quick: Callable[[str], Outcome]) -> None:
     """The one claim that does not hold: 1e-4 px without any rounding."""
     (row,) = rows(quick("fig14"), setting="paper", quadrature="mesh", bits=16, cell="quad", size_px=10)
     assert row["bias_u_px"] == pytest.approx(1.04e-4, rel=0.05)
 
 
-def test_fig15_the_knee_is_at_one_point_per_pixel_without_smoothing(quick: Callable[[str], Outcome]) -> None:
+def test_fig15_noise_levels_off_at_one_point_per_pixel_without_smoothing(quick: Callable[[str], Outcome]) -> None:
     outcome = quick("fig15")
     assert verdicts(outcome) == {}
     line = rows(outcome, setting="unfiltered", rule="rotated", cell="triangle")
@@ -84,7 +84,7 @@ def test_fig15_the_knee_is_at_one_point_per_pixel_without_smoothing(quick: Calla
     assert pixel["std_px"] == pytest.approx(6.8e-3, rel=0.03)
 
 
-def test_fig16_the_rings_are_those_of_the_lens(quick: Callable[[str], Outcome]) -> None:
+def test_fig16_error_rings_follow_the_lens(quick: Callable[[str], Outcome]) -> None:
     outcome = quick("fig16")
     assert verdicts(outcome) == {}
     assert set(outcome.figures) == {"", "paper"}
@@ -97,7 +97,7 @@ def test_fig16_the_rings_are_those_of_the_lens(quick: Callable[[str], Outcome]) 
     assert abs(lens["correlation_u"]) < 0.2
 
 
-def test_distortion_costs_nothing_in_the_projector_and_its_size_out_of_it(quick: Callable[[str], Outcome]) -> None:
+def test_distortion_biases_only_without_the_lens_in_the_projector(quick: Callable[[str], Outcome]) -> None:
     outcome = quick("distortion")
     assert verdicts(outcome) == {}
     case = {"setting": "default", "bits": 8, "value": -0.3, "focal_px": 8381.24}
@@ -110,7 +110,7 @@ def test_distortion_costs_nothing_in_the_projector_and_its_size_out_of_it(quick:
     assert none["rms_px"] < 5e-5
 
 
-def test_neglecting_the_lens_is_the_difference_of_its_distortions(gmsh: Any) -> None:
+def test_the_bias_without_the_lens_is_the_difference_of_distortions(gmsh: Any) -> None:
     """By hand: ``x (1 + k1 r^2)`` on the retinal plane, at the node and where it arrives."""
     scene = Scene()
     mesh = scene.mesh(30.0, "quad")
@@ -125,7 +125,7 @@ def test_neglecting_the_lens_is_the_difference_of_its_distortions(gmsh: Any) -> 
     assert_allclose(scene.camera.project(scene.in_millimetres(mesh).points), mesh.points, rtol=0.0, atol=1e-8)
 
 
-def test_the_floor_of_rounding_is_the_error_of_a_translation() -> None:
+def test_the_rounding_floor_is_the_error_of_a_translation() -> None:
     """A sine of 20 px along u and v on the whole window: its mean squared slope is known."""
     scene = Scene()
     v, u = np.mgrid[:1036, :1388]

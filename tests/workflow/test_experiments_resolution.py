@@ -59,13 +59,13 @@ def test_resolution_of_both_stars(shared_data: Shared) -> None:
     assert set(outcome.figures) == {"", "amplitude", "variants"}
 
 
-def test_resolution_without_the_real_star_makes_no_claim_about_it() -> None:
+def test_resolution_without_the_real_star_omits_its_claims() -> None:
     outcome = run_experiment("resolution", Request(quick=True))
     check_star(outcome, "synthetic", turned_loss=1.8)
     assert not [claim for claim in outcome.claims if "real" in claim.text]
 
 
-def test_a_pair_of_another_shape_is_no_star() -> None:
+def test_star_images_of_another_shape_are_refused() -> None:
     image = np.zeros((50, 60), dtype=np.uint8)
     with pytest.raises(fedic.ImageError, match="501 x 4000"):
         run_experiment("resolution", Request(quick=True, star=(image, image)))
@@ -89,7 +89,7 @@ def test_the_meshes_of_the_star_have_nodes_on_the_crest() -> None:
         (Space("spline", 3, 2), 3),
     ],
 )
-def test_reconstruction_keeps_the_polynomials_of_its_degree(space: Space, power: int) -> None:
+def test_reconstruction_preserves_polynomials_of_its_degree(space: Space, power: int) -> None:
     """Up to the error of the four-noded interpolation between the fine nodes."""
     size = 8.0
     mesh = fedic.rectangle_mesh((0.0, -64.0, 128.0, 64.0), size)
@@ -109,7 +109,7 @@ def test_reconstruction_keeps_the_polynomials_of_its_degree(space: Space, power:
     np.testing.assert_allclose(field(x, y), expected, atol=1e-7 if power == 1 else 0.02)
 
 
-def test_convergence(convergence: Outcome) -> None:
+def test_convergence_experiment_holds_its_claims(convergence: Outcome) -> None:
     assert broken(convergence.claims) == []
     far = row_of(convergence, variant="zero", motion="translation", amount=8.0, size_px=20, turn_deg=30.0)
     assert not far["found"]
@@ -124,7 +124,7 @@ def test_convergence(convergence: Outcome) -> None:
     assert set(convergence.figures) == {"", "iterations"}
 
 
-def test_a_scene_moves_as_it_says() -> None:
+def test_scenes_move_by_their_stated_displacement() -> None:
     """The displacement of a rotated image, measured, is the one that the scene tells."""
     scene = scenes(Request())[0]
     motion = Motion("rotation", 3.0)

@@ -29,14 +29,14 @@ def errors(pair: tuple[np.ndarray, np.ndarray], **options: object) -> np.ndarray
     return result.displacement - motion(MESH.points)
 
 
-def test_global_brightness_undoes_any_gain_and_offset(pair: tuple[np.ndarray, np.ndarray]) -> None:
+def test_global_brightness_corrects_gain_and_offset(pair: tuple[np.ndarray, np.ndarray]) -> None:
     darker = (0.7 * pair[1] + 900.0).astype(np.float32)
     plain, corrected = errors(pair), errors((pair[0], darker))
     np.testing.assert_allclose(corrected, plain, atol=1e-5)
     assert np.abs(errors((pair[0], darker), brightness=None)).max() > 3 * np.abs(plain).max()
 
 
-def test_element_brightness_undoes_uneven_light(pair: tuple[np.ndarray, np.ndarray]) -> None:
+def test_element_brightness_corrects_uneven_light(pair: tuple[np.ndarray, np.ndarray]) -> None:
     light = 1.0 + 0.3 * np.sin(np.arange(240) / 80.0)
     uneven = (pair[0], (pair[1] * light * 0.7).astype(np.float32))
     everywhere, by_element = errors(uneven), errors(uneven, brightness="element")
@@ -44,7 +44,7 @@ def test_element_brightness_undoes_uneven_light(pair: tuple[np.ndarray, np.ndarr
     assert by_element.std() < 0.025
 
 
-def test_the_hessian_changes_the_way_and_not_the_end() -> None:
+def test_the_hessian_option_does_not_change_the_solution() -> None:
     """A close camera: its Jacobian changes by several per cent over the motion."""
     camera = fedic.Pinhole((300, 300), (120, 95), rotation=[np.pi + 0.3, 0.2, 0.0], translation=(0.0, 0.0, 1.0))
     texture = fedic.synthetic.Speckle(0.02, seed=9)
@@ -72,12 +72,14 @@ def test_the_hessian_changes_the_way_and_not_the_end() -> None:
         ({"quadrature": fedic.MeshQuadrature(density=2.0)}, 0.005),
     ],
 )
-def test_every_option_measures(pair: tuple[np.ndarray, np.ndarray], options: dict[str, object], largest: float) -> None:
+def test_every_option_measures_an_affine_motion(
+    pair: tuple[np.ndarray, np.ndarray], options: dict[str, object], largest: float
+) -> None:
     found = errors(pair, **options, max_iterations=200)
     assert np.abs(found).max() < largest
 
 
-def test_the_pyramid_reaches_further_than_zero() -> None:
+def test_the_pyramid_converges_where_the_zero_start_fails() -> None:
     far = np.array([28.0, -21.0])
 
     def field(points: np.ndarray) -> np.ndarray:
@@ -97,7 +99,7 @@ def test_the_pyramid_reaches_further_than_zero() -> None:
     assert np.abs(lost.displacement - field(mesh.points)).max() > 1.0
 
 
-def test_the_buffer_of_the_reference_may_be_filled_again(pair: tuple[np.ndarray, np.ndarray]) -> None:
+def test_the_correlator_copies_the_reference_buffer(pair: tuple[np.ndarray, np.ndarray]) -> None:
     def everything(correlator: fedic.Correlator) -> list[np.ndarray]:
         found = [correlator.correlate(pair[1], initial=start).displacement for start in ("pyramid", "fft")]
         return [*found, correlator.residual_map(pair[1], found[0]), correlator.standard_deviations(100.0)]
@@ -117,7 +119,7 @@ def test_a_given_start_saves_iterations(pair: tuple[np.ndarray, np.ndarray]) -> 
     np.testing.assert_allclose(from_close.displacement, from_zero.displacement, atol=1e-4)
 
 
-def test_noise_of_the_rules() -> None:
+def test_quadrature_rules_have_nearly_equal_noise() -> None:
     """On the same noisy images, unfiltered, one point per pixel is at most 3 % noisier than twice as many and more."""
     texture = fedic.synthetic.render(SPECKLE, FRAME, (240, 240), bits=16) / 257.0
     mesh = fedic.rectangle_mesh((20.3, 20.7, 212.1, 213.9), 20.0)
@@ -135,7 +137,7 @@ def test_noise_of_the_rules() -> None:
     assert 1.0 < noise("rotated") / finest < 1.03
 
 
-def test_the_rotated_rule_does_not_keep_step_with_the_pixels() -> None:
+def test_the_rotated_rule_has_less_bias_than_the_edges_rule() -> None:
     """Elements of whole pixels and a fine texture: every point of `edges` has the same place in its pixel."""
     fine = fedic.synthetic.Speckle(2.2, seed=3)
     reference = fedic.synthetic.render(fine, FRAME, (200, 200), supersampling=5)

@@ -21,7 +21,7 @@ def found() -> fedic.Registration:
 
 
 class TestWritten:
-    def test_the_camera(self, found: fedic.Registration, tmp_path: Path) -> None:
+    def test_the_camera_file_holds_pose_and_deviations(self, found: fedic.Registration, tmp_path: Path) -> None:
         path = found.write(tmp_path / "camera.toml")
         assert fedic.read_camera(path) == found.camera
         assert "std_angle = " in path.read_text()
@@ -29,7 +29,7 @@ class TestWritten:
         with pytest.raises(fedic.CameraError, match="overwrite"):
             found.write(path)
 
-    def test_the_picture(self, found: fedic.Registration, tmp_path: Path) -> None:
+    def test_the_plot_is_written_as_png(self, found: fedic.Registration, tmp_path: Path) -> None:
         found.plot(tmp_path / "registration.png")
         assert cv2.imread(str(tmp_path / "registration.png")).shape[0] > 300
         with pytest.raises(fedic.FedicError, match="png only"):
@@ -52,7 +52,7 @@ class TestCommand:
         files = [str(folder / name) for name in ("plate.vtu", "plate.png", "rough.toml")]
         return CliRunner().invoke(app, ["register", *files, "--output", str(folder / "camera.toml"), *options])
 
-    def test_features(self, folder: Path) -> None:
+    def test_registration_from_features(self, folder: Path) -> None:
         features = [word for name in BOUNDARY for word in ("--feature", name)]
         outcome = self.run(folder, *features, "--picture", str(folder / "mesh.png"))
         assert outcome.exit_code == 0, outcome.output
@@ -64,7 +64,7 @@ class TestCommand:
         assert "overwrite" in again.output
         assert self.run(folder, *features, "--overwrite").exit_code == 0
 
-    def test_a_picture_replaces_no_file_unasked(self, folder: Path) -> None:
+    def test_plots_do_not_overwrite_files(self, folder: Path) -> None:
         options = ["--points", str(folder / "pairs.csv"), "--picture"]
         (folder / "old.png").write_bytes(b"kept")
         measured = (folder / "plate.png").read_bytes()
@@ -84,7 +84,7 @@ class TestCommand:
         assert cv2.imread(str(folder / "old.png")) is not None
 
     @pytest.mark.parametrize("name", ["old.png", "plate.png"])
-    def test_nor_does_that_of_a_calibration(self, folder: Path, name: str) -> None:
+    def test_plots_of_a_calibration_do_not_overwrite_files(self, folder: Path, name: str) -> None:
         (folder / "old.png").write_bytes(b"kept")
         before = (folder / name).read_bytes()
         files = ["--output", str(folder / "camera.toml"), "--picture", str(folder / name)]
@@ -102,7 +102,7 @@ class TestCommand:
         ids=["front", "skew"],
     )
     @pytest.mark.parametrize("suffix", [".yml", ".xml"])
-    def test_a_file_that_cannot_hold_the_camera_is_refused_first(
+    def test_an_output_format_that_cannot_hold_the_camera_is_refused_first(
         self, folder: Path, start: Any, message: str, suffix: str, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr("fedic.registration.register", lambda *_, **__: pytest.fail("the work was begun"))
@@ -113,14 +113,14 @@ class TestCommand:
         assert outcome.exit_code == 2
         assert message in outcome.output
 
-    def test_a_file_of_opencv_that_can(self, folder: Path) -> None:
+    def test_an_opencv_file_is_written(self, folder: Path) -> None:
         fedic.write_camera(PINHOLE, folder / "rough.toml", overwrite=True)
         np.savetxt(folder / "pairs.csv", np.column_stack([POINTS, PINHOLE.project(POINTS)]))
         outcome = self.run(folder, "--points", str(folder / "pairs.csv"), "--output", str(folder / "camera.yml"))
         assert outcome.exit_code == 0, outcome.output
         assert off(fedic.read_camera(folder / "camera.yml"), PINHOLE).max() < 1e-6
 
-    def test_points(self, folder: Path) -> None:
+    def test_registration_from_points(self, folder: Path) -> None:
         outcome = self.run(folder, "--points", str(folder / "pairs.csv"))
         assert outcome.exit_code == 0, outcome.output
         assert off(fedic.read_camera(folder / "camera.toml"), FRONT).max() < 1e-6
@@ -134,7 +134,7 @@ class TestCommand:
             (["--feature", "hole 0", "--picture", "mesh.pdf"], "png only"),
         ],
     )
-    def test_faults(self, folder: Path, options: list[str], message: str) -> None:
+    def test_errors_exit_with_code_two(self, folder: Path, options: list[str], message: str) -> None:
         outcome = self.run(folder, *options)
         assert outcome.exit_code == 2
         assert message in outcome.output

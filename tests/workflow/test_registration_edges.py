@@ -29,7 +29,7 @@ def test_a_rendered_plate_is_found_from_wrong_starts(name: str, ground: float) -
     np.testing.assert_array_equal(again.covariance, found.covariance)
 
 
-def test_stated_deviations_from_edges() -> None:
+def test_standard_deviations_from_edges_agree_with_monte_carlo() -> None:
     """The edges' errors come from the speckles: a new plate for each draw."""
     camera, start = fedic.FrontParallel(5.0, (20.0, 160.0), 0.05), fedic.FrontParallel(5.01, (20.5, 159.5), 0.051)
     ratios = []
@@ -42,7 +42,7 @@ def test_stated_deviations_from_edges() -> None:
     assert np.all(scores.std(axis=0) < 1.4)
 
 
-def test_smooth_edges_are_found_to_hundredths() -> None:
+def test_edges_without_speckle_are_found_to_hundredths_of_a_pixel() -> None:
     class Plain(Plate):
         def values(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
             self._speckle = _Constant()  # type: ignore[assignment]
@@ -60,7 +60,7 @@ class _Constant:
         return np.full(len(points), 0.5)
 
 
-def test_triangles_inside_the_hole_do_not_shrink_it() -> None:
+def test_chords_of_a_coarse_mesh_do_not_shrink_the_hole() -> None:
     coarse = plate_mesh("triangle", divisions=4)
     image = plate(FRONT, 0.98)
     fine = fedic.register(MESH, image, FRONT, features=["hole 0", "bottom", "top"], search=0.0)
@@ -68,7 +68,7 @@ def test_triangles_inside_the_hole_do_not_shrink_it() -> None:
     assert off(found.camera, fine.camera).max() < 0.05
 
 
-def test_hidden_parts_and_dirt_are_left_out() -> None:
+def test_hidden_edges_and_dirt_are_rejected() -> None:
     image = plate(FRONT, 0.02)
     image[240:275, 130:210] = 128  # a clip over the lower side
     image[60:75, 300:330] = 255
@@ -78,7 +78,7 @@ def test_hidden_parts_and_dirt_are_left_out() -> None:
     assert not bottom.used[(bottom.pixels[:, 0] > 140) & (bottom.pixels[:, 0] < 200)].any()
 
 
-def test_points_and_edges_together() -> None:
+def test_points_and_edges_are_combined() -> None:
     image = plate(PINHOLE, 0.02)
     clicked = PINHOLE.project(POINTS[:2]) + np.array([[0.4, -0.3], [-0.2, 0.5]])
     found = fedic.register(
@@ -89,14 +89,14 @@ def test_points_and_edges_together() -> None:
     assert set(found.features) == set(BOUNDARY)
 
 
-def test_speckles_alone_are_no_edges() -> None:
+def test_speckle_without_edges_is_refused() -> None:
     texture = fedic.synthetic.Speckle(0.4, seed=2)
     image = fedic.synthetic.render(texture, FRONT, SHAPE)
     with pytest.raises(fedic.ImageError, match="is not found in the image"):
         fedic.register(MESH, image, FRONT, features=BOUNDARY)
 
 
-def test_a_tilt_that_a_long_lens_does_not_show_is_refused_by_name() -> None:
+def test_a_tilt_that_a_long_lens_does_not_determine_is_named() -> None:
     upright = np.diag([1.0, -1.0, -1.0])
     far = fedic.Pinhole((80000, 80000), (300, 200), upright, (-30.0, 12.5, 10000.0))
     image = plate(far, 0.02)

@@ -64,7 +64,7 @@ def image() -> NDArray[np.uint8]:
 
 
 @pytest.mark.parametrize(("options", "error", "message"), BAD)
-def test_bad_input_is_explained(
+def test_bad_input_is_refused(
     image: NDArray[np.uint8], options: dict[str, Any], error: type[Exception], message: str
 ) -> None:
     given: dict[str, Any] = {"image": image, "camera": FRONT, **options}

@@ -65,12 +65,12 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt((values**2).mean()))
 
 
-def test_the_reference_is_a_turned_front_parallel_camera(mesh: fedic.Mesh) -> None:
+def test_the_reference_camera_is_a_rotated_front_parallel_camera(mesh: fedic.Mesh) -> None:
     np.testing.assert_allclose(REFERENCE.project(mesh.points), open_hole_camera().project(mesh.points), atol=1e-9)
 
 
 @pytest.mark.parametrize("sign", signs())
-def test_from_a_wrong_start(sign: tuple[int, ...], mesh: fedic.Mesh, image: NDArray[np.uint8]) -> None:
+def test_the_pose_is_found_from_wrong_starts(sign: tuple[int, ...], mesh: fedic.Mesh, image: NDArray[np.uint8]) -> None:
     """Nodes start up to 66 px away. Measured, from the reference: sides 0.8 and 1.0 px, hole 0.9 px."""
     found = fedic.register(mesh, image, wrong(REFERENCE, sign), features=FEATURES)
     for feature in fedic.boundary_features(mesh):
@@ -83,7 +83,9 @@ def test_from_a_wrong_start(sign: tuple[int, ...], mesh: fedic.Mesh, image: NDAr
         assert distances.used.sum() >= 0.95 * len(distances.used)
 
 
-def test_it_is_closer_to_the_edges_than_the_camera_placed_by_hand(mesh: fedic.Mesh, image: NDArray[np.uint8]) -> None:
+def test_the_registered_camera_fits_the_edges_better_than_the_manual_one(
+    mesh: fedic.Mesh, image: NDArray[np.uint8]
+) -> None:
     """Measured, mean and root mean square distance in pixels, against the camera placed by hand.
 
     Bottom -0.21, 0.25 against 0.46, 0.48; top 0.13, 0.36 against -0.80, 0.87; hole -0.84, 0.89 against -0.80, 1.01. The
@@ -104,7 +106,7 @@ def test_it_is_closer_to_the_edges_than_the_camera_placed_by_hand(mesh: fedic.Me
     assert everywhere[0] < 0.6 * everywhere[1]
 
 
-def test_a_mesh_with_the_right_hole_fits_it(image: NDArray[np.uint8], shared_data: Shared) -> None:
+def test_a_mesh_with_the_true_hole_radius_fits_the_hole(image: NDArray[np.uint8], shared_data: Shared) -> None:
     """The triangles' hole has a radius of 5 mm, the quadrilaterals' 4.925; their frames differ by half a turn."""
     triangles = fedic.read_mesh(shared_data("openhole/gmsh_t3_mm.msh"))
     upright = fedic.FrontParallel(SCALE / 1000.0, REFERENCE.origin, REFERENCE.angle)
@@ -116,7 +118,7 @@ def test_a_mesh_with_the_right_hole_fits_it(image: NDArray[np.uint8], shared_dat
     assert max(distances.median for distances in found.features.values()) < 0.5  # measured: 0.33, 0.43, 0.38
 
 
-def test_the_field_measured_with_it_is_the_same(
+def test_the_displacement_agrees_with_that_of_the_manual_camera(
     mesh: fedic.Mesh, image: NDArray[np.uint8], shared_data: Shared
 ) -> None:
     """Measured: 0.2 % of the displacement in the median, 0.4 % root mean square, of a field of 7.6 px."""

@@ -13,7 +13,7 @@ from scenes.plate import signs, wrong
 
 
 @pytest.mark.parametrize("name", CAMERAS)
-def test_derivatives_by_the_pose(name: str) -> None:
+def test_the_pose_jacobian_agrees_with_finite_differences(name: str) -> None:
     camera = CAMERAS[name]
     names = ("u0", "v0", "angle", "scale") if name == "front" else ("rx", "ry", "rz", "tx", "ty", "tz")
     points = np.column_stack([POINTS, 0.1 * POINTS[:, 0]])
@@ -26,7 +26,7 @@ def test_derivatives_by_the_pose(name: str) -> None:
 
 
 @pytest.mark.parametrize("sign", signs()[::5])
-def test_exact_points_give_the_pose(sign: tuple[int, ...]) -> None:
+def test_exact_points_recover_the_pose(sign: tuple[int, ...]) -> None:
     for camera in CAMERAS.values():
         found = fedic.register(MESH, BLANK, wrong(camera, sign), points=(POINTS, camera.project(POINTS)))
         np.testing.assert_allclose(off(found.camera, camera), 0.0, atol=1e-8)
@@ -34,7 +34,7 @@ def test_exact_points_give_the_pose(sign: tuple[int, ...]) -> None:
         np.testing.assert_array_equal(found.points[:, :2], POINTS)
 
 
-def test_four_points_in_a_plane_need_no_start_and_three_a_rough_one() -> None:
+def test_four_coplanar_points_need_no_start_and_three_need_one() -> None:
     pixels = PINHOLE.project(POINTS)
     some = [0, 2, 9, 11]
     found = fedic.register(MESH, BLANK, BARE, points=(POINTS[some], pixels[some]))
@@ -53,9 +53,7 @@ def behind(camera: fedic.Pinhole) -> fedic.Pinhole:
 
 
 @pytest.mark.parametrize("place", [0, 1])
-def test_a_pose_of_the_plane_that_fails_does_not_take_the_other_with_it(
-    place: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_candidate_pose_does_not_discard_the_other(place: int, monkeypatch: pytest.MonkeyPatch) -> None:
     pairs = POINTS, PINHOLE.project(POINTS)
     poses = [wrong(PINHOLE, (1, 1, 1, 1))]
     poses.insert(place, behind(PINHOLE))
@@ -80,7 +78,7 @@ def test_a_pose_of_the_plane_that_fails_does_not_take_the_other_with_it(
         fedic.register(MESH, BLANK, BARE, points=pairs)
 
 
-def test_parameters_can_be_held() -> None:
+def test_parameters_not_free_keep_their_values() -> None:
     pixels = FRONT.project(POINTS)
     start = fedic.FrontParallel(8.0, (50.0, 280.0), 0.0)
     found = fedic.register(MESH, BLANK, start, points=(POINTS, pixels), free=["angle", "u0", "v0"])
@@ -94,7 +92,7 @@ def test_parameters_can_be_held() -> None:
 
 @pytest.mark.parametrize("known", [None, 0.3])
 @pytest.mark.parametrize("name", CAMERAS)
-def test_stated_deviations_from_points(name: str, known: float | None) -> None:
+def test_standard_deviations_from_points_agree_with_monte_carlo(name: str, known: float | None) -> None:
     camera, rng = CAMERAS[name], np.random.default_rng(5)
     ratios = []
     for _ in range(100):

@@ -38,7 +38,7 @@ def strips(camera: Any) -> list[edges.Strip]:
 
 
 @pytest.mark.parametrize("sign", [(1, 1, 1, 1), (-1, 1, -1, 1)])
-def test_a_wide_search_of_large_features(
+def test_wide_searches_are_bounded_in_trials_and_memory(
     large: NDArray[np.uint8], sign: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Steps of 7.5 px over 200 px, 4 degrees and 6 % would be over two million trials."""
@@ -61,7 +61,7 @@ def test_a_wide_search_of_large_features(
     assert off(found.camera, LARGE) < 1.0
 
 
-def test_the_memory_does_not_grow_with_the_features() -> None:
+def test_the_memory_of_a_search_does_not_grow_with_the_features() -> None:
     """Features that reach 7000 px in an image of 100 megapixels; nothing is drawn in it."""
     image = np.zeros((6500, 15000), dtype=np.uint8)
     camera = fedic.FrontParallel(200.0, (1500.0, 6250.0), 0.03)
@@ -74,7 +74,7 @@ def test_the_memory_does_not_grow_with_the_features() -> None:
         assert peak < 6.0 * image.size
 
 
-def test_the_reduced_image_does_not_depend_on_the_bands_it_is_made_in(
+def test_the_reduced_image_does_not_depend_on_the_band_height(
     large: NDArray[np.uint8], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     banded = search._reduced(large)
@@ -84,7 +84,7 @@ def test_the_reduced_image_does_not_depend_on_the_bands_it_is_made_in(
         np.testing.assert_allclose(some, whole, rtol=0, atol=1e-4)
 
 
-def test_a_pixel_of_the_reduced_image_is_where_it_was() -> None:
+def test_pixels_of_the_reduced_image_keep_their_position() -> None:
     image = np.zeros((203, 301), dtype=np.uint8)
     image[104:112, 160:168] = 255
     level = search._reduced(image)
@@ -96,7 +96,7 @@ def test_a_pixel_of_the_reduced_image_is_where_it_was() -> None:
 
 
 @pytest.mark.parametrize("reach", [1e4, 1e6])
-def test_a_search_that_no_grid_can_cover_is_refused(large: NDArray[np.uint8], reach: float) -> None:
+def test_too_wide_searches_are_refused(large: NDArray[np.uint8], reach: float) -> None:
     with pytest.raises(fedic.SolveError, match=r"search=.*: too far to look .* Give a search up to \d+") as caught:
         fedic.register(MESH, large, LARGE, features=FEATURES, search=reach)
     largest = float(str(caught.value).split("up to ")[1].split(" px")[0])
@@ -110,7 +110,7 @@ def whole_grey_levels(image: Any, places: NDArray[np.float64]) -> NDArray[np.flo
 
 @pytest.mark.parametrize("shift", [0.0, 700.0], ids=["inside", "partly outside"])
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
-def test_edges_are_read_from_the_image_around_them(
+def test_edges_are_sampled_from_the_surrounding_image_only(
     large: NDArray[np.uint8], kind: type, shift: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     image, sizes = large.astype(kind), []
@@ -134,14 +134,14 @@ def test_edges_are_read_from_the_image_around_them(
         np.testing.assert_array_equal(found.valid, expected.valid)
 
 
-def test_an_image_with_a_gap_is_refused_by_its_place(large: NDArray[np.uint8]) -> None:
+def test_pixels_that_are_not_finite_are_located(large: NDArray[np.uint8]) -> None:
     image = large.astype(np.float32)
     image[7, 11] = np.nan
     with pytest.raises(fedic.ImageError, match=r"is nan at \(u, v\) = \(11, 7\)"):
         fedic.register(MESH, image, LARGE, features=FEATURES)
 
 
-def test_points_in_space() -> None:
+def test_in_space_appends_a_zero_coordinate() -> None:
     flat = np.array([[1.0, 2.0], [LENGTH, 4.0]])
     np.testing.assert_array_equal(in_space(flat), [[1.0, 2.0, 0.0], [LENGTH, 4.0, 0.0]])
     raised = np.array([[1.0, 2.0, 3.0]])

@@ -22,7 +22,9 @@ def image() -> NDArray[np.uint8]:
 
 class TestTarget:
     @pytest.mark.parametrize("sign", signs()[::5])
-    def test_placed_on_the_mesh(self, image: NDArray[np.uint8], sign: tuple[int, ...]) -> None:
+    def test_the_pose_is_recovered_from_a_target_at_a_known_place(
+        self, image: NDArray[np.uint8], sign: tuple[int, ...]
+    ) -> None:
         origin, angle = PLACE
         start = wrong(PINHOLE, sign)
         found = fedic.register(MESH, image, start, target=BOARD, target_origin=origin, target_angle=angle)
@@ -30,7 +32,7 @@ class TestTarget:
         assert len(found.residuals) == 28
         assert np.all(np.abs(errors(found.camera, PINHOLE)) < 5.0 * np.array([*found.standard_deviations.values()]))
 
-    def test_a_thick_target_lies_above_the_mesh(self, image: NDArray[np.uint8]) -> None:
+    def test_the_thickness_of_the_target_is_taken_into_account(self, image: NDArray[np.uint8]) -> None:
         origin, angle = PLACE
         kept: Any = {"target": BOARD, "target_origin": origin, "target_angle": angle}
         thin = fedic.register(MESH, image, PINHOLE, **kept).camera
@@ -39,7 +41,9 @@ class TestTarget:
         np.testing.assert_allclose(thick.project(raised), thin.project(POINTS), atol=1e-6)
 
     @pytest.mark.parametrize("sign", signs()[::5])
-    def test_with_features_in_its_plane(self, image: NDArray[np.uint8], sign: tuple[int, ...]) -> None:
+    def test_features_in_the_plane_of_the_target_fix_the_position(
+        self, image: NDArray[np.uint8], sign: tuple[int, ...]
+    ) -> None:
         found = fedic.register(MESH, image, wrong(PINHOLE, sign), target=BOARD, features=["hole 0", "right"])
         assert off(found.camera, PINHOLE).max() < 0.8
         # The plane is the target's: the tilt is as well known as with the target alone.
@@ -48,7 +52,7 @@ class TestTarget:
         away = np.linalg.norm(found.points[-7:, :2].mean(axis=0) - found.points[:7, :2].mean(axis=0))
         assert away == pytest.approx(6.0, rel=1e-9)
 
-    def test_with_points_in_its_plane(self, image: NDArray[np.uint8]) -> None:
+    def test_points_in_the_plane_of_the_target_fix_the_position(self, image: NDArray[np.uint8]) -> None:
         pair = POINTS[[0, 11]], PINHOLE.project(POINTS[[0, 11]])
         found = fedic.register(MESH, image, wrong(PINHOLE, (1, -1, -1, 1)), target=BOARD, points=pair)
         assert off(found.camera, PINHOLE).max() < 0.15
@@ -81,7 +85,7 @@ class TestTarget:
             ),
         ],
     )
-    def test_what_is_refused(
+    def test_bad_target_options_are_refused(
         self, image: NDArray[np.uint8], options: dict[str, Any], error: type[Exception], message: str
     ) -> None:
         given: dict[str, Any] = {"camera": PINHOLE, "target": BOARD, "target_origin": (8.0, 8.0), **options}
@@ -99,7 +103,7 @@ class TestTarget:
         ],
         ids=repr,
     )
-    def test_is_not_searched_where_something_is_malformed(
+    def test_bad_options_are_refused_before_the_search(
         self, options: dict[str, Any], monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr("fedic.registration._target.find_target", lambda *_: pytest.fail("the search was begun"))
@@ -107,7 +111,7 @@ class TestTarget:
         with pytest.raises(fedic.CameraError):
             fedic.register(MESH, BLANK, PINHOLE, **given)
 
-    def test_another_focal_length_is_noticed(self, image: NDArray[np.uint8]) -> None:
+    def test_a_wrong_focal_length_is_refused(self, image: NDArray[np.uint8]) -> None:
         other = fedic.Pinhole((900, 500), (300, 200), PINHOLE.rotation, PINHOLE.translation)
         with pytest.raises(fedic.ImageError, match=r"closer than .* px: .* another calibration"):
             fedic.register(MESH, image, other, target=BOARD, target_origin=(8.0, 8.0))

@@ -59,7 +59,7 @@ def scene_images() -> list[Any]:
     ]
 
 
-def test_the_lens_is_found_on_the_specimen_and_serves_the_next_measurement(scene_images: list[Any]) -> None:
+def test_the_lens_found_on_the_specimen_improves_the_next_measurement(scene_images: list[Any]) -> None:
     """Issue: k1 within 1 %, displacement error at most 0.003 px where ignoring the lens gives 0.017."""
     scene = Scene()
     true = scene.camera
@@ -104,7 +104,7 @@ def test_the_lens_is_found_on_the_specimen_and_serves_the_next_measurement(scene
         ({"images": 1, "motion": "translation"}, 2.0),
     ],
 )
-def test_stated_deviations_are_those_of_repeated_calibrations(
+def test_standard_deviations_agree_with_repeated_calibrations(
     frames: list[NDArray[np.float32]], options: dict[str, Any], noise: float
 ) -> None:
     options = dict(options)
@@ -128,7 +128,7 @@ def test_stated_deviations_are_those_of_repeated_calibrations(
     assert np.mean(noises) == pytest.approx(noise, rel=0.05)
 
 
-def test_motions_are_found_with_their_deviations(frames: list[NDArray[np.float32]]) -> None:
+def test_motions_lie_within_their_standard_deviations(frames: list[NDArray[np.float32]]) -> None:
     noisy = [fedic.synthetic.add_noise(frame, noise=2.0, seed=k) for k, frame in enumerate(frames)]
     found = fedic.calibrate_on_specimen(noisy[0], noisy[1:], specimen(), START)
     assert found.motions.shape == found.motion_standard_deviations.shape == (3, 6)
@@ -140,7 +140,7 @@ def test_motions_are_found_with_their_deviations(frames: list[NDArray[np.float32
     assert (np.abs(errors) < 4.0 * found.motion_standard_deviations[:, [0, 1, 5]]).all()
 
 
-def test_a_stage_that_leaves_the_plane() -> None:
+def test_out_of_plane_motions_are_found() -> None:
     """A motion along Z by 1/300 of the distance, which magnifies the image by as much."""
     texture = fedic.synthetic.Speckle(5.0, seed=5)
     heights = (0.0, 2.0, -1.0)
@@ -177,7 +177,7 @@ def test_the_tilt_of_the_camera_is_found() -> None:
     assert max(deviations) < 1e-4
 
 
-def test_light_that_changes_is_taken_up(frames: list[NDArray[np.float32]]) -> None:
+def test_brightness_changes_are_corrected(frames: list[NDArray[np.float32]]) -> None:
     darker = [frames[0], 0.8 * frames[1] + 5.0, *frames[2:]]
     found = fedic.calibrate_on_specimen(darker[0], darker[1:], specimen(), START)
     same = fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, brightness=None)
@@ -186,7 +186,7 @@ def test_light_that_changes_is_taken_up(frames: list[NDArray[np.float32]]) -> No
     assert ignored.residual_rms > 5.0 * found.residual_rms
 
 
-def test_a_specimen_larger_than_the_image_is_used_where_two_images_see_it(frames: list[NDArray[np.float32]]) -> None:
+def test_a_specimen_larger_than_the_image_improves_the_calibration(frames: list[NDArray[np.float32]]) -> None:
     wide = fedic.rectangle_mesh((-260.0, -220.0, 260.0, 220.0), 20.0)
     larger = fedic.calibrate_on_specimen(frames[0], frames[1:], wide, START, noise=2.0)
     inner = fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, noise=2.0)
@@ -195,7 +195,7 @@ def test_a_specimen_larger_than_the_image_is_used_where_two_images_see_it(frames
     assert larger.standard_deviations["k1"] < 0.99 * inner.standard_deviations["k1"]
 
 
-def test_the_bits_do_not_depend_on_the_threads(frames: list[NDArray[np.float32]]) -> None:
+def test_results_do_not_depend_on_the_number_of_threads(frames: list[NDArray[np.float32]]) -> None:
     found = [fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, num_threads=n) for n in (1, 2, 4)]
     for other in found[1:]:
         assert other.camera == found[0].camera
@@ -205,7 +205,7 @@ def test_the_bits_do_not_depend_on_the_threads(frames: list[NDArray[np.float32]]
 
 
 @pytest.mark.parametrize("motion", [(-400.0, -200.0), (500.0, 300.0), (0.0, -450.0)])
-def test_motions_of_half_an_image_are_found(motion: tuple[float, float]) -> None:
+def test_motions_of_half_the_image_are_found(motion: tuple[float, float]) -> None:
     texture = fedic.synthetic.Speckle(6.0, seed=1)
     camera = fedic.FrontParallel(0.5, (300.0, 250.0))
     world = (2.0 * motion[0] * 0.7, -2.0 * motion[1] * 0.7)
@@ -214,7 +214,7 @@ def test_motions_of_half_an_image_are_found(motion: tuple[float, float]) -> None
     assert_allclose(translation_start(images[0], images[1], mesh, camera), world, rtol=0, atol=1.0)
 
 
-def test_a_turned_specimen_and_a_strong_lens_are_reached_from_afar() -> None:
+def test_a_rotated_specimen_and_a_strong_lens_are_found_from_a_rough_start() -> None:
     camera = small_camera(-0.9)
     texture = fedic.synthetic.Speckle(5.0, seed=6)
     turn = np.deg2rad(1.5)
@@ -233,7 +233,7 @@ def test_a_turned_specimen_and_a_strong_lens_are_reached_from_afar() -> None:
     assert found.motions[0, 5] == pytest.approx(turn, abs=1e-4)
 
 
-def test_advice(frames: list[NDArray[np.float32]]) -> None:
+def test_advice_names_undetermined_parameters(frames: list[NDArray[np.float32]]) -> None:
     mesh, noisy = specimen(), [fedic.synthetic.add_noise(frame, noise=2.0, seed=k) for k, frame in enumerate(frames)]
     many = fedic.calibrate_on_specimen(noisy[0], noisy[1:], mesh, START, ("k1", "k2", "k3"))
     assert any("k2 and k3 are correlated by -0.9" in sentence for sentence in many.advice)
@@ -274,7 +274,7 @@ def test_advice(frames: list[NDArray[np.float32]]) -> None:
         ({"mesh": "mesh"}, fedic.MeshError, "mesh must be a fedic.Mesh"),
     ],
 )
-def test_bad_input_is_explained(
+def test_bad_input_is_refused(
     frames: list[NDArray[np.float32]], change: dict[str, Any], error: type[fedic.FedicError], message: str
 ) -> None:
     given: dict[str, Any] = {"images": frames[1:], "mesh": specimen(), "camera": START, **change}
@@ -283,7 +283,7 @@ def test_bad_input_is_explained(
         fedic.calibrate_on_specimen(frames[0], images, mesh, camera, **given)
 
 
-def test_a_specimen_that_did_not_move_or_is_another_is_refused(frames: list[NDArray[np.float32]]) -> None:
+def test_a_specimen_at_rest_and_another_specimen_are_refused(frames: list[NDArray[np.float32]]) -> None:
     still = [fedic.synthetic.add_noise(frames[0], noise=2.0, seed=k) for k in range(3)]
     with pytest.raises(fedic.SolveError, match=r"moves by no more than 0\.\d+ pixels .* at least two directions"):
         fedic.calibrate_on_specimen(still[0], still[1:], specimen(), START)
@@ -292,7 +292,7 @@ def test_a_specimen_that_did_not_move_or_is_another_is_refused(frames: list[NDAr
         fedic.calibrate_on_specimen(frames[0], [frames[1], other], specimen(), START, ("k1",))
 
 
-def test_the_experiment_in_its_quick_version() -> None:
+def test_the_quick_experiment_holds_its_claims() -> None:
     outcome = run_experiment("specimen", Request(quick=True))
     assert {claim.text: claim.measured for claim in outcome.claims if not claim.holds} == {}
     assert outcome.figures[""].axes

@@ -28,7 +28,7 @@ fn solve(images: &[Image; 2], options: &Options, num_threads: Option<usize>) -> 
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
+fn results_do_not_depend_on_the_number_of_threads() {
     let motion = Motion { gradient: [[1.01, 0.003], [-0.004, 0.995]], shift: [3.3, -2.6], centre: [100.0; 2] };
     let images = render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), motion);
     let mesh_rule = |rule| Quadrature::Mesh { rule, density: 1.0 };
@@ -46,7 +46,7 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit_of_the_standard_deviations() {
+fn standard_deviations_do_not_depend_on_the_number_of_threads() {
     let [reference, _] =
         render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), Motion::translation([0.0; 2]));
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
@@ -63,7 +63,7 @@ fn the_number_of_threads_changes_no_bit_of_the_standard_deviations() {
 }
 
 #[test]
-fn a_frame_leaves_nothing_to_the_next() {
+fn results_do_not_depend_on_earlier_frames() {
     let speckle = Speckle::new(5.0, 0.5, 3).unwrap();
     let [reference, first] = render(&ImageFrame, [200, 200], speckle, Motion::translation([2.3, -1.6]));
     let [_, second] = render(&ImageFrame, [200, 200], speckle, Motion::translation([-0.7, 1.2]));

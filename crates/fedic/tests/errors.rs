@@ -39,7 +39,7 @@ fn refused(result: Result<Correlator, Error>) -> Error {
 }
 
 #[test]
-fn a_mesh_partly_outside_the_image_is_refused_cell_by_cell() {
+fn cells_outside_the_image_are_named() {
     let [reference, _] = images();
     // The image ends at 89.5: the last column of cells leaves it.
     let mesh = quads([30.0, 20.0, 90.0, 60.0], 20.0);
@@ -55,7 +55,7 @@ fn a_mesh_partly_outside_the_image_is_refused_cell_by_cell() {
 }
 
 #[test]
-fn a_mesh_wholly_outside_the_image_is_refused() {
+fn a_mesh_entirely_outside_the_image_is_refused() {
     let [reference, _] = images();
     // Millimetres taken for metres: quickly, not after billions of points.
     let camera = Arc::new(FrontParallel::new(1e7, [40.0, 40.0]).unwrap());
@@ -70,7 +70,7 @@ fn a_mesh_wholly_outside_the_image_is_refused() {
 }
 
 #[test]
-fn a_curved_edge_that_leaves_the_image_is_seen() {
+fn a_curved_edge_outside_the_image_is_detected() {
     let [reference, _] = images();
     // Every node lies in the image, which ends at -0.5; the upper edge bulges out to -0.63 between two of them.
     let nodes = [
@@ -105,7 +105,7 @@ fn images_must_have_one_size() {
 }
 
 #[test]
-fn a_noise_must_be_a_standard_deviation_and_the_reference_the_same() {
+fn standard_deviations_refuse_bad_noise_and_another_reference() {
     let [reference, _] = images();
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
     for noise in [-0.5, f64::NAN, f64::INFINITY] {
@@ -140,7 +140,7 @@ fn images_without_texture_are_refused() {
 }
 
 #[test]
-fn nodes_that_too_few_points_determine_are_named() {
+fn nodes_with_too_few_quadrature_points_are_named() {
     let [reference, _] = images();
     // One point per cell: 25 equations for 72 unknowns.
     let mesh = quads([20.3, 20.3, 25.3, 25.3], 1.0);
@@ -169,7 +169,7 @@ fn nodes_that_too_few_points_determine_are_named() {
 }
 
 #[test]
-fn nodes_on_a_patch_without_texture_are_named_by_the_users_numbers() {
+fn nodes_without_texture_are_named_by_mesh_node_number() {
     let [reference, _] = images();
     let greys = reference.pixels().iter().enumerate().map(|(k, &grey)| if k % 90 > 50 { 100.0 } else { grey });
     let half = Image::new(90, 80, greys.collect()).unwrap();
@@ -191,7 +191,7 @@ fn nodes_on_a_patch_without_texture_are_named_by_the_users_numbers() {
 }
 
 #[test]
-fn a_start_that_does_not_fit_the_mesh_is_refused() {
+fn a_start_of_the_wrong_length_or_not_finite_is_refused() {
     let [reference, deformed] = images();
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
     let start = |field: &[[f64; 2]]| correlator.correlate(deformed.view(), Start::Field(field), &()).unwrap_err();
@@ -208,7 +208,7 @@ fn a_start_that_does_not_fit_the_mesh_is_refused() {
 }
 
 #[test]
-fn unused_nodes_are_nan_and_disturb_nothing() {
+fn unused_nodes_are_nan_and_do_not_change_the_solution() {
     let [reference, deformed] = images();
     let mesh = mixed_mesh([20.0, 20.0], 2, 20.0);
     // A node before each of the mesh's own, far away.
@@ -259,7 +259,7 @@ impl Monitor for Impatient {
 }
 
 #[test]
-fn a_monitor_stops_the_work_wherever_it_is() {
+fn a_monitor_cancels_every_stage() {
     let [reference, deformed] = images();
     let mesh = warped_mesh([12.0, 12.0, 78.0, 68.0], 8.0, CellType::Triangle, 1.0);
     let cells = mesh.num_cells();

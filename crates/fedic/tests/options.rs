@@ -67,7 +67,7 @@ fn a_smoothing_wider_than_the_image_is_refused() {
 }
 
 #[test]
-fn choices_have_names() {
+fn enumerated_options_parse_from_their_names() {
     assert_eq!("analytic".parse(), Ok(Gradient::Analytic));
     assert_eq!("finite-difference".parse(), Ok(Gradient::FiniteDifference));
     assert_eq!("none".parse(), Ok(Brightness::None));

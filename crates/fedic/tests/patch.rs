@@ -65,18 +65,18 @@ fn check_in_image_frame(motion: Motion) {
 }
 
 #[test]
-fn a_translation_is_found() {
+fn a_translation_is_measured() {
     check_in_image_frame(Motion::translation([0.37, -0.21]));
 }
 
 #[test]
-fn a_rotation_is_found() {
+fn a_rotation_is_measured() {
     let (sin, cos) = 0.01_f64.sin_cos();
     check_in_image_frame(Motion { gradient: [[cos, -sin], [sin, cos]], shift: [0.2, 0.1], centre: [75.0, 65.0] });
 }
 
 #[test]
-fn a_stretch_is_found() {
+fn a_uniform_strain_is_measured() {
     let gradient = [[1.012, 0.004], [-0.002, 0.993]];
     check_in_image_frame(Motion { gradient, shift: [-0.3, 0.15], centre: [75.0, 65.0] });
 }
@@ -110,12 +110,12 @@ fn check_in_millimetres(camera: Arc<dyn Camera>, hessian: Hessian) {
 }
 
 #[test]
-fn a_stretch_is_found_in_millimetres() {
+fn a_uniform_strain_is_measured_in_millimetres() {
     check_in_millimetres(Arc::new(FrontParallel::new(PIXELS_PER_MILLIMETRE, [79.3, 70.8]).unwrap()), Hessian::Initial);
 }
 
 #[test]
-fn a_stretch_is_found_through_a_tilted_camera_and_its_lens() {
+fn a_uniform_strain_is_measured_through_a_tilted_camera_with_lens() {
     // Upright, then tilted by about 8 degrees, 60 mm away.
     let rotation = rotation_from_vector([std::f64::consts::PI + 0.12, 0.08, 0.05]);
     let lens = BrownDistortion::new([-0.3, 0.2, 0.05], [0.01, -0.008], [0.005, 0.004]).unwrap();

@@ -23,7 +23,7 @@ fn points(camera: Arc<dyn Camera>, mesh: &Mesh, quadrature: Quadrature) -> (Vec<
 }
 
 #[test]
-fn points_of_the_mesh_weigh_its_area() {
+fn quadrature_weights_sum_to_the_area() {
     let camera = || -> Arc<dyn Camera> { Arc::new(FrontParallel::new(10.0, [50.0, 45.0]).unwrap()) };
     for cell in CellType::ALL {
         // The square of the diameter is twice the area of a square, four times that of half a square.
@@ -50,7 +50,7 @@ fn points_of_the_mesh_weigh_its_area() {
 }
 
 #[test]
-fn pixel_quadrature_takes_every_pixel_once() {
+fn pixel_quadrature_contains_every_pixel_once() {
     for cell in CellType::ALL {
         let mesh = warped_mesh([12.3, 11.6, 87.4, 77.7], 15.0, cell, 1.5);
         let (points, weights, _) = points(Arc::new(ImageFrame), &mesh, Quadrature::Pixel);

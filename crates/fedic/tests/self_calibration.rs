@@ -46,7 +46,7 @@ fn calibrate(
 const LENS: [Parameter; 3] = [Parameter::K1, Parameter::Cx, Parameter::Cy];
 
 #[test]
-fn the_lens_its_centre_and_the_motions_are_found() {
+fn lens_centre_and_motions_are_recovered() {
     for motion in [MotionKind::Translation, MotionKind::InPlane, MotionKind::Spatial] {
         let options = SelfCalibrationOptions { motion, smoothing: 0.0, ..SelfCalibrationOptions::default() };
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
@@ -65,7 +65,7 @@ fn the_lens_its_centre_and_the_motions_are_found() {
 }
 
 #[test]
-fn true_translations_give_the_scale() {
+fn known_translations_determine_the_scale() {
     let options = SelfCalibrationOptions { known_translations: true, ..SelfCalibrationOptions::default() };
     let images: Vec<Image> = std::iter::once(&[0.0; 2]).chain(&MOTIONS).map(|&motion| image(motion)).collect();
     let views: Vec<_> = images.iter().map(Image::view).collect();
@@ -81,7 +81,7 @@ fn true_translations_give_the_scale() {
 }
 
 #[test]
-fn the_number_of_threads_changes_no_bit() {
+fn results_do_not_depend_on_the_number_of_threads() {
     let bits = |num_threads| -> Vec<u64> {
         let options = SelfCalibrationOptions { num_threads, ..SelfCalibrationOptions::default() };
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
@@ -102,7 +102,7 @@ fn refused(motions: &[[f64; 2]], parameters: &[Parameter]) -> String {
 }
 
 #[test]
-fn what_the_images_do_not_tell_is_named() {
+fn undetermined_parameters_are_named() {
     use Parameter::{Cx, D2, Fx, Fy, K1, Tx, Tz};
     for (parameters, message) in [
         (&[K1, Cx, D2][..], "do not tell cx, d2 apart"),
@@ -116,7 +116,7 @@ fn what_the_images_do_not_tell_is_named() {
 }
 
 #[test]
-fn a_specimen_at_rest_tells_nothing() {
+fn a_specimen_at_rest_is_refused() {
     let error = refused(&[[0.0, 0.0], [0.3, -0.2]], &LENS);
     assert!(error.contains("moves by no more than 0.") && error.contains("two directions"), "{error}");
 }
@@ -138,7 +138,7 @@ fn images_that_do_not_match_are_named() {
 }
 
 #[test]
-fn bad_input_is_explained() {
+fn bad_input_is_refused() {
     let images = [image([0.0; 2]), image(MOTIONS[0])];
     let views: Vec<_> = images.iter().map(Image::view).collect();
     let small = Image::new(20, 20, vec![1.0; 400]).unwrap();

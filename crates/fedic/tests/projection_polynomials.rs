@@ -1,4 +1,4 @@
-//! How often the polynomials over the cells are compared with the camera.
+//! The polynomial approximation of the projection over a cell is checked against the camera only when needed.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -13,10 +13,10 @@ use fedic::{
 };
 use fedic_synthetic::Speckle;
 
-/// A camera that counts the points it is asked for.
+/// A camera that counts the points it projects.
 struct Counting {
     camera: Pinhole,
-    asked: AtomicUsize,
+    projected: AtomicUsize,
 }
 
 impl Camera for Counting {
@@ -41,28 +41,28 @@ impl Camera for Counting {
         v: &mut [f64],
         jacobian: &mut [[&mut [f64]; 3]; 2],
     ) {
-        self.asked.fetch_add(x.len(), Ordering::Relaxed);
+        self.projected.fetch_add(x.len(), Ordering::Relaxed);
         self.camera.project_with_jacobian_batch(x, y, z, u, v, jacobian);
     }
 }
 
-/// What had been asked at each iteration, and the correction found.
+/// Number of points projected so far and the correction, at each iteration.
 struct Record<'a>(&'a Counting, Mutex<Vec<(usize, f64)>>);
 
 impl Monitor for Record<'_> {
     fn progress(&self, progress: &Progress) {
         if progress.iteration > 0 {
-            self.1.lock().unwrap().push((self.0.asked.load(Ordering::Relaxed), progress.correction));
+            self.1.lock().unwrap().push((self.0.projected.load(Ordering::Relaxed), progress.correction));
         }
     }
 }
 
 #[test]
-fn polynomials_are_compared_again_after_a_pixel() {
+fn projection_polynomials_are_checked_again_after_one_pixel_of_motion() {
     let lens = BrownDistortion::new([-0.05, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap();
     let rotation = rotation_from_vector([std::f64::consts::PI, 0.1, 0.0]);
     let camera = Pinhole::new([1000.0; 2], [100.0; 2], rotation, [0.0, 0.0, 1000.0]).unwrap().with_distortion(lens);
-    let camera = Arc::new(Counting { camera, asked: AtomicUsize::new(0) });
+    let camera = Arc::new(Counting { camera, projected: AtomicUsize::new(0) });
     let speckle = Speckle::new(8.0, 0.5, 3).unwrap();
     let images = render(camera.as_ref(), [200, 200], speckle, Motion::translation([2.1, -1.4]));
     let mesh = warped_mesh([-70.0, -70.0, 70.0, 70.0], 14.0, CellType::Quad, 0.5);
@@ -74,17 +74,17 @@ fn polynomials_are_compared_again_after_a_pixel() {
     assert!(solution.converged);
 
     let record = record.1.into_inner().unwrap();
-    let asked: Vec<usize> = record.windows(2).map(|pair| pair[1].0 - pair[0].0 - mesh.num_nodes()).collect();
-    // One point per cell, its centre, and as many for comparing; some cells are expanded twice, the same ones each time.
-    let centres = *asked.iter().min().unwrap();
+    let projected: Vec<usize> = record.windows(2).map(|pair| pair[1].0 - pair[0].0 - mesh.num_nodes()).collect();
+    // The centre of each cell, and as many points for a check; some cells are expanded twice, the same ones each time.
+    let centres = *projected.iter().min().unwrap();
     assert!(centres >= mesh.num_cells());
     let mut moved = 0.0;
-    for (asked, (_, correction)) in asked.iter().zip(&record) {
+    for (projected, (_, correction)) in projected.iter().zip(&record) {
         moved += correction;
-        assert_eq!(*asked, if moved > 1.0 { 2 * centres } else { centres }, "moved by {moved} px");
+        assert_eq!(*projected, if moved > 1.0 { 2 * centres } else { centres }, "moved by {moved} px");
         if moved > 1.0 {
             moved = 0.0;
         }
     }
-    assert!(asked.contains(&(2 * centres)), "{record:?}");
+    assert!(projected.contains(&(2 * centres)), "{record:?}");
 }
