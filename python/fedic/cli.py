@@ -45,11 +45,11 @@ def _faults_reported() -> Iterator[None]:
 
 def _check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bool) -> None:
     """Check, before any long work, that a picture replaces no file that is to be kept."""
-    from fedic.plotting.calibration import check_picture
+    from fedic.plotting.figures import check_picture_path
 
     if picture is None:
         return
-    check_picture(picture)
+    check_picture_path(picture)
     if not picture.parent.is_dir():
         raise FedicError(f"{picture}: the folder {picture.parent} does not exist; make it first.")
     if not picture.exists():

@@ -18,7 +18,7 @@ from fedic.experiments.lens_errors import measure as measure_pair
 from fedic.experiments.lens_maps import draw_error_maps
 from fedic.experiments.settings import DEFAULT
 from fedic.io.atomic import write_json
-from fedic.plotting.fields import save_figure
+from fedic.plotting import save_figure
 
 __all__ = ["Demo", "Measurement", "measure", "write_demo"]
 

@@ -1,14 +1,16 @@
 """What a measurement gives."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, StrPath
+from fedic.io.results import write_result
 
 __all__ = ["Iteration", "Result"]
 
@@ -134,6 +136,44 @@ class Result:
         FedicError
             If the suffix is unknown or the file cannot be written.
         """
-        from fedic.io.results import write_result
+        history = [{name: _finite(value) for name, value in iteration._asdict().items()} for iteration in self.history]
+        return write_result(Path(path), self.mesh, self._arrays(), {**self.summary(), "history": history})
 
-        return write_result(self, Path(path))
+    def summary(self) -> dict[str, Any]:
+        """Return convergence, residual and sizes as JSON types.
+
+        Returns
+        -------
+        dict
+            ``converged``, ``iterations``, ``residual_rms`` (None if not finite), ``num_nodes``, ``num_cells``,
+            ``num_points`` and ``outside_cells``.
+        """
+        return {
+            "converged": self.converged,
+            "iterations": self.iterations,
+            "residual_rms": _finite(self.residual_rms),
+            "num_nodes": self.mesh.num_nodes,
+            "num_cells": self.mesh.num_cells,
+            "num_points": self.num_points,
+            "outside_cells": self.outside_cells.tolist(),
+        }
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        return {
+            "points": self.mesh.points,
+            **{f"cells_{name}": nodes for name, nodes in self.mesh.cells.items()},
+            "displacement": self.displacement,
+            "pixel_displacement": self.pixel_displacement,
+            "strains": self.strains(),
+            "cell_residuals": self.cell_residuals,
+            "outside_cells": self.outside_cells,
+            "history": np.array(self.history, dtype=np.float64).reshape(-1, 4),
+            "converged": np.array(self.converged),
+            "iterations": np.array(self.iterations),
+            "num_points": np.array(self.num_points),
+            "residual_rms": np.array(self.residual_rms),
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.plotting.fields import draw_nodal_field, plot_displacement, plot_mesh, plot_residual, save_figure
+from fedic.plotting import draw_nodal_field, plot_displacement, plot_mesh, plot_residual, save_figure
 
 IMAGE = np.tile(np.arange(120, dtype=np.uint8), (90, 1))
 CELLS = ("triangle", "triangle6", "quad", "quad8", "quad9")

@@ -348,5 +348,5 @@ def test_the_command_line_calibrates(folder: Path, monkeypatch: pytest.MonkeyPat
     outcome = RUNNER.invoke(
         app, ["calibrate", *images, "--target", "chessboard:7x5:12", "--output", "b.toml", "--picture", "a.bmp"]
     )
-    assert "a.bmp: the picture is drawn as .png" in outcome.stderr
+    assert "a.bmp: pictures are written as .png" in outcome.stderr
     assert 'pose_of = "view-2.png"' in Path("camera.toml").read_text()

@@ -2,13 +2,17 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import Pinhole
-from fedic._internal.types import Floats, StrPath
-from fedic.cameras.files import write_camera
+from fedic._internal.types import Floats
+from fedic.cameras.result import CameraResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Calibration", "View"]
 
@@ -57,7 +61,7 @@ class View:
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class Calibration(CameraResult):
     """A calibrated camera, how well it is known, and from what.
 
     Attributes
@@ -96,48 +100,22 @@ class Calibration:
     advice: list[str]
     distortion: str
 
-    def plot(self, path: StrPath) -> None:
-        """Draw the residual vectors over the image, and how often each part of it is covered.
+    def _figure(self) -> "Figure":
+        from fedic.plotting.calibration import draw_residuals
 
-        Parameters
-        ----------
-        path : str or path
-            The ``.png`` file; replaced if it exists.
+        accepted = [view for view in self.views if view.accepted]
+        return draw_residuals(
+            np.concatenate([view.pixels for view in accepted]),
+            np.concatenate([view.residuals for view in accepted]),
+            np.concatenate([view.used for view in accepted]),
+            image_size=self.image_size,
+            principal_point=self.camera.principal_point,
+            rms=self.reprojection_error,
+            title=f"{len(accepted)} of {len(self.views)} views",
+        )
 
-        Raises
-        ------
-        FedicError
-            If the suffix is another, or it cannot be written.
-        """
-        from fedic.plotting.calibration import check_picture, draw_residuals
-        from fedic.plotting.fields import save_figure
-
-        check_picture(Path(path))
-        save_figure(draw_residuals(self), Path(path))
-
-    def write(self, path: StrPath, *, overwrite: bool = False) -> Path:
-        """Write the camera, see `fedic.write_camera`; a ``.toml`` file also says how well it is known.
-
-        Parameters
-        ----------
-        path : str or path
-            Ends in ``.toml``, ``.yml``, ``.yaml`` or ``.xml``.
-        overwrite : bool
-            Whether a file that exists may be replaced.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        CameraError
-            If the file exists, or the suffix is another.
-        FedicError
-            If it cannot be written.
-        """
-        notes: dict[str, object] = {
+    def _notes(self) -> dict[str, object]:
+        return {
             "image_size": list(self.image_size),
             "reprojection_error": self.reprojection_error,
             "views_accepted": sum(view.accepted for view in self.views),
@@ -146,4 +124,3 @@ class Calibration:
             "distortion": self.distortion,
             **{f"std_{name}": deviation for name, deviation in self.standard_deviations.items()},
         }
-        return write_camera(self.camera, path, overwrite=overwrite, notes=notes)

@@ -13,8 +13,7 @@ from fedic.correlation import Correlator
 from fedic.errors import FedicError
 from fedic.io.atomic import make_folder, write_json
 from fedic.io.images import read_image
-from fedic.io.results import summary
-from fedic.plotting.fields import plot_displacement, plot_mesh, plot_residual, save_figure
+from fedic.plotting import plot_displacement, plot_mesh, plot_residual, save_figure
 from fedic.result import Result
 
 __all__ = ["Frame", "run"]
@@ -104,7 +103,7 @@ def _measure(correlator: Correlator, path: Path, folder: Path, *, pictures: bool
         result.write(folder / f"{path.stem}.npz")
         if pictures:
             _draw(correlator, result, deformed, folder / path.stem)
-        outcome = summary(result)
+        outcome = result.summary()
     except FedicError as error:
         outcome = {"error": str(error)}
     return Frame(path, time.perf_counter() - start, outcome)

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from fedic._core import Mesh
 from fedic._internal.types import Floats
 from fedic.experiments.lens_errors import Measurement
-from fedic.plotting.fields import draw_nodal_field
+from fedic.plotting import draw_nodal_field
 
 __all__ = ["draw_error_maps"]
 

@@ -13,7 +13,7 @@ from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.settings import DEFAULT, LEGEND, UNFILTERED, Setting
 from fedic.experiments.subjects import LEVELS, SPECKLE
 from fedic.experiments.sweep import draw_displacements, noise_bound, rms
-from fedic.plotting.fields import draw_nodal_field
+from fedic.plotting import draw_nodal_field
 from fedic.synthetic import Speckle, add_noise, render
 
 __all__ = ["run"]

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from fedic._core import __version__
 from fedic._internal.types import Image
 from fedic.io.atomic import replacing, write_json
-from fedic.plotting.fields import save_figure
+from fedic.plotting import save_figure
 
 __all__ = ["Claim", "Outcome", "Progressed", "Request", "Row", "write_outcome"]
 

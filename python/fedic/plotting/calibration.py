@@ -1,18 +1,13 @@
-"""The picture of a calibration: residual vectors over the image, and how often each part of it is covered."""
-
-from pathlib import Path
-from typing import TYPE_CHECKING
+"""Residual vectors of a calibration and its coverage of the image."""
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
-from fedic.errors import FedicError
+from fedic._internal.types import Floats
 
-if TYPE_CHECKING:
-    from fedic.calibration._result import Calibration
-
-__all__ = ["check_picture", "draw_residuals"]
+__all__ = ["draw_residuals"]
 
 _INCHES = 8.0
 _CELLS = 16
@@ -20,42 +15,39 @@ _ARROW = 0.02
 """Length of the arrow of a root mean square residual, in widths of the image."""
 
 
-def check_picture(path: Path) -> None:
-    """Check, before any long work, that a picture can be drawn in a file.
+def draw_residuals(
+    pixels: Floats,
+    residuals: Floats,
+    used: NDArray[np.bool_],
+    *,
+    image_size: tuple[int, int],
+    principal_point: tuple[float, float],
+    rms: float,
+    title: str,
+) -> Figure:
+    """Draw residual vectors, enlarged, over the number of points in each part of the image.
 
     Parameters
     ----------
-    path : Path
-        The file.
-
-    Raises
-    ------
-    FedicError
-        If it is no ``.png`` file.
-    """
-    if path.suffix.lower() != ".png":
-        raise FedicError(f"{path}: the picture is drawn as .png only; change the name.")
-
-
-def draw_residuals(calibration: "Calibration") -> Figure:
-    """Draw the residual vectors, enlarged, and the number of points in each part of the image.
-
-    Parameters
-    ----------
-    calibration : Calibration
-        What to draw.
+    pixels, residuals : ndarray, shape (n, 2)
+        Positions of the points and their residuals, in pixels.
+    used : ndarray of bool, shape (n,)
+        False for points left out of the fit, which are drawn in red.
+    image_size : (int, int)
+        Width and height in pixels.
+    principal_point : (float, float)
+        Principal point in pixels.
+    rms : float
+        Residual whose arrow has a fixed length, in pixels.
+    title : str
+        First part of the title.
 
     Returns
     -------
     Figure
-        Save it with `fedic.plotting.fields.save_figure`.
+        The figure; `fedic.plotting.save_figure` writes it.
     """
-    width, height = calibration.image_size
-    accepted = [view for view in calibration.views if view.accepted]
-    pixels = np.concatenate([view.pixels for view in accepted])
-    residuals = np.concatenate([view.residuals for view in accepted])
-    used = np.concatenate([view.used for view in accepted])
-
+    width, height = image_size
     figure = Figure(figsize=(_INCHES + 1.5, _INCHES * height / width + 1.0), layout="compressed")
     axes = figure.add_subplot()
     axes.set(xlabel="u (px)", ylabel="v (px)", aspect="equal", xlim=(-0.5, width - 0.5), ylim=(height - 0.5, -0.5))
@@ -74,7 +66,7 @@ def draw_residuals(calibration: "Calibration") -> Figure:
         ticks=MaxNLocator(integer=True),
         boundaries=np.linspace(0.0, max(1.0, float(counts.max())), 100),
     )
-    magnification = _ARROW * width / max(calibration.reprojection_error, 1e-9)
+    magnification = _ARROW * width / max(rms, 1e-9)
     for mask, colour, label in ((used, "black", "residual"), (~used, "red", "left out")):
         if mask.any():
             axes.quiver(
@@ -87,10 +79,7 @@ def draw_residuals(calibration: "Calibration") -> Figure:
                 width=0.0012,
                 label=f"{label} ({mask.sum()} points)",
             )
-    axes.plot(*calibration.camera.principal_point, "+", color="tab:orange", markersize=14, label="principal point")
+    axes.plot(*principal_point, "+", color="tab:orange", markersize=14, label="principal point")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=3, fontsize="small", frameon=False)
-    axes.set_title(
-        f"{len(accepted)} of {len(calibration.views)} views, {calibration.reprojection_error:.3f} px rms, "
-        f"arrows {magnification:.0f} times enlarged"
-    )
+    axes.set_title(f"{title}, {rms:.3f} px rms, arrows {magnification:.0f} times enlarged")
     return figure

@@ -1,10 +1,6 @@
-"""Pictures: fields over the image they were measured in.
+"""Meshes, displacement fields and residuals drawn over images."""
 
-Figures are made without pyplot, so that nothing is shown, kept or configured globally.
-"""
-
-from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,12 +13,31 @@ from numpy.typing import NDArray
 from fedic._core import ImageFrame, Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
-from fedic.io.atomic import replacing
-from fedic.result import Result
 
-__all__ = ["draw_nodal_field", "plot_displacement", "plot_mesh", "plot_residual", "save_figure"]
+__all__ = ["draw_nodal_field", "plot_displacement", "plot_mesh", "plot_residual"]
 
 Component: TypeAlias = Literal["x", "y", "u", "v"]
+
+
+class MeasuredField(Protocol):
+    """A displacement field with its mesh and camera, such as a `fedic.Result`."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh."""
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that projects it."""
+
+    @property
+    def displacement(self) -> Floats:
+        """Nodal displacements (n, 2) in the mesh's unit."""
+
+    @property
+    def pixel_displacement(self) -> Floats:
+        """Nodal displacements (n, 2) in pixels."""
+
 
 _SIGNED, _SEQUENTIAL = "RdBu_r", "viridis"
 _BACKDROP_SIDE = 2000
@@ -34,14 +49,18 @@ _CENTRE_WEIGHTS = {4: (0.25,), 6: (-1.0 / 9.0, 4.0 / 9.0), 8: (-0.25, 0.5)}
 
 
 def plot_displacement(
-    result: Result, image: Image, component: Component = "x", *, on: Literal["deformed", "reference"] = "deformed"
+    field: MeasuredField,
+    image: Image,
+    component: Component = "x",
+    *,
+    on: Literal["deformed", "reference"] = "deformed",
 ) -> Figure:
     """Draw a component of the displacement over an image.
 
     Parameters
     ----------
-    result : Result
-        The measurement.
+    field : Result
+        The displacement field.
     image : ndarray, shape (height, width)
         The deformed or the reference image.
     component : {"x", "y", "u", "v"}
@@ -52,18 +71,18 @@ def plot_displacement(
     Returns
     -------
     Figure
-        Save it with `save_figure`.
+        The figure; `fedic.plotting.save_figure` writes it.
     """
-    pixels = result.camera.project(result.mesh.points)
+    pixels = field.camera.project(field.mesh.points)
     if on == "deformed":
-        pixels = pixels + result.pixel_displacement
+        pixels = pixels + field.pixel_displacement
     in_pixels = component in ("u", "v")
-    field = result.pixel_displacement if in_pixels else result.displacement
-    values = field[:, 0 if component in ("x", "u") else 1]
-    figure, axes = _image_figure(image, pixels[result.mesh.used_nodes])
-    colours = draw_nodal_field(axes, result.mesh, pixels, values, alpha=0.8)
+    vectors = field.pixel_displacement if in_pixels else field.displacement
+    values = vectors[:, 0 if component in ("x", "u") else 1]
+    figure, axes = _image_figure(image, pixels[field.mesh.used_nodes])
+    colours = draw_nodal_field(axes, field.mesh, pixels, values, alpha=0.8)
     name = component if in_pixels else f"$U_{component}$"
-    unit = "px" if in_pixels or isinstance(result.camera, ImageFrame) else "mesh unit"
+    unit = "px" if in_pixels or isinstance(field.camera, ImageFrame) else "mesh unit"
     figure.colorbar(colours, ax=axes, label=f"{name} ({unit})", extend="both", shrink=0.9)
     return figure
 
@@ -79,7 +98,7 @@ def plot_residual(residual: NDArray[np.float32]) -> Figure:
     Returns
     -------
     Figure
-        Save it with `save_figure`.
+        The figure; `fedic.plotting.save_figure` writes it.
 
     Raises
     ------
@@ -123,7 +142,7 @@ def plot_mesh(mesh: Mesh, camera: Camera, image: Image) -> Figure:
     Returns
     -------
     Figure
-        Save it with `save_figure`.
+        The figure; `fedic.plotting.save_figure` writes it.
     """
     pixels = camera.project(mesh.points)
     figure, axes = _image_figure(image, pixels[mesh.used_nodes])
@@ -176,20 +195,6 @@ def draw_nodal_field(
         norm=Normalize(low, high),
         alpha=alpha,
     )
-
-
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, whole or not at all.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    path : Path
-        The ``.png`` file.
-    """
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=160)
 
 
 def _colour_limits(values: Floats) -> tuple[float, float]:

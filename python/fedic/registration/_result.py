@@ -2,15 +2,19 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import Mesh
-from fedic._internal.types import Floats, Image, StrPath
-from fedic.cameras.files import write_camera
+from fedic._internal.types import Floats, Image
 from fedic.cameras.files.matrices import matrices_of_camera
+from fedic.cameras.result import CameraResult
 from fedic.registration._pose import Placeable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["FeatureDistances", "Registration", "check_format"]
 
@@ -63,7 +67,7 @@ class FeatureDistances:
 
 
 @dataclass(frozen=True, eq=False)
-class Registration:
+class Registration(CameraResult):
     """A camera placed before a mesh, how well it is known, and from what.
 
     Attributes
@@ -103,49 +107,28 @@ class Registration:
     mesh: Mesh
     image: Image
 
-    def plot(self, path: StrPath) -> None:
-        """Draw the mesh over the image, with the edges and points found, coloured by their distance.
-
-        Parameters
-        ----------
-        path : str or path
-            The ``.png`` file; replaced if it exists.
-
-        Raises
-        ------
-        FedicError
-            If the suffix is another, or it cannot be written.
-        """
-        from fedic.plotting.calibration import check_picture
-        from fedic.plotting.fields import save_figure
+    def _figure(self) -> "Figure":
         from fedic.plotting.registration import draw_registration
 
-        check_picture(Path(path))
-        save_figure(draw_registration(self), Path(path))
+        found = list(self.features.values())
+        edges = None
+        if found:
+            edges = (
+                np.concatenate([each.pixels for each in found]),
+                np.concatenate([each.distances for each in found]),
+                np.concatenate([each.used for each in found]),
+            )
+        lines = [
+            f"{each.name}: {each.median:.2f} px median, {each.used.sum()} of {len(each.used)} pieces" for each in found
+        ]
+        if len(self.residuals):
+            rms = float(np.sqrt((self.residuals**2).sum(axis=1).mean()))
+            lines.append(f"{len(self.residuals)} points: {rms:.3f} px rms")
+        points = (self.pixels, self.residuals)
+        return draw_registration(self.mesh, self.camera, self.image, edges=edges, points=points, lines=lines)
 
-    def write(self, path: StrPath, *, overwrite: bool = False) -> Path:
-        """Write the camera, see `fedic.write_camera`; a ``.toml`` file also says how well it is known.
-
-        Parameters
-        ----------
-        path : str or path
-            Ends in ``.toml``, ``.yml``, ``.yaml`` or ``.xml``.
-        overwrite : bool
-            Whether a file that exists may be replaced.
-
-        Returns
-        -------
-        Path
-            The file.
-
-        Raises
-        ------
-        CameraError
-            If the file exists, or the suffix is another.
-        FedicError
-            If it cannot be written.
-        """
+    def _notes(self) -> dict[str, object]:
         notes: dict[str, object] = {f"std_{name}": value for name, value in self.standard_deviations.items()}
         for name, found in self.features.items():
             notes[f"median_distance_{name.replace(' ', '_')}"] = found.median
-        return write_camera(self.camera, path, overwrite=overwrite, notes=notes)
+        return notes

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Pinhole, SplineDistortion
+from fedic._internal.sections import read_tables
 from fedic._internal.types import Camera, Distortion
+from fedic.cameras.schema import parse_camera
 from fedic.errors import CameraError, ConfigError
 from fedic.io.atomic import replacing
 
@@ -17,8 +19,6 @@ _HEADER = '# A camera for fedic; in the configuration of a run: [camera], file =
 
 def read_toml(path: Path, number: int) -> Camera:
     """Read a camera; the section ``[calibration]`` is for people."""
-    from fedic.campaign.config import parse_camera, read_tables
-
     if number != 0:
         raise CameraError(f"{path}: camera {number} was asked for, the file holds one, number 0.")
     try:

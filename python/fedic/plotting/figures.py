@@ -1,0 +1,47 @@
+"""PNG files of figures."""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from fedic.errors import FedicError
+from fedic.io.atomic import replacing
+
+__all__ = ["check_picture_path", "save_figure"]
+
+
+def check_picture_path(path: Path) -> None:
+    """Check, before any long work, that a figure can be written to a file of this name.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    FedicError
+        If the suffix is not ``.png``.
+    """
+    if path.suffix.lower() != ".png":
+        raise FedicError(f"{path}: pictures are written as .png only; change the suffix.")
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    path : Path
+        The ``.png`` file; replaced if it exists.
+
+    Raises
+    ------
+    FedicError
+        If the suffix is not ``.png``, or the file cannot be written.
+    """
+    check_picture_path(path)
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=160)
