@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 import fedic
 from fedic._core import spline_basis
 from fedic.calibration import calibrate_points
+from fedic.demo.scene import FOCAL, HEIGHT, WIDTH, Scene
 from fedic.experiments import splines as experiment
-from fedic.experiments.lens import FOCAL, HEIGHT, WIDTH, Scene
 
 DOMAIN = (-0.2, -0.15, 0.2, 0.15)
 BROWN = fedic.BrownDistortion((-0.2, 0.05, 0.0), (1e-3, -2e-3), (5e-4, 0.0))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import fedic
 from fedic._core import aperture_points
-from fedic.experiments.lens import FOCAL, MILLIMETRES, Scene
+from fedic.demo.scene import FOCAL, MILLIMETRES, Scene
 from fedic.synthetic import Speckle, add_noise, fourier_shift, render
 
 Floats = NDArray[np.float64]

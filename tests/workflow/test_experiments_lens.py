@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fedic.demo.scene import PIXEL_MOTION, ImagePair, Scene
 from fedic.experiments import Outcome, Request, run_experiment
-from fedic.experiments.lens import PIXEL_MOTION, ROUNDING, Pair, Scene
+from fedic.experiments.lens import ROUNDING, ignored_distortion, rounding_floor
+from fedic.experiments.reference_images import window_mesh
 
 FRACTIONS: dict[str, list[float]] = {}
 
@@ -113,7 +115,7 @@ def test_distortion_biases_only_without_the_lens_in_the_projector(quick: Callabl
 def test_the_bias_without_the_lens_is_the_difference_of_distortions(gmsh: Any) -> None:
     """By hand: ``x (1 + k1 r^2)`` on the retinal plane, at the node and where it arrives."""
     scene = Scene()
-    mesh = scene.mesh(30.0, "quad")
+    mesh = window_mesh(scene.window, 30.0, "quad")
     focal, centre, k1 = 8381.24, np.array([706.053, 503.725]), -0.0321253
     seen = (mesh.points - centre) / focal
     ideal = seen.copy()
@@ -121,7 +123,7 @@ def test_the_bias_without_the_lens_is_the_difference_of_distortions(gmsh: Any) -
         ideal = seen / (1.0 + k1 * (ideal**2).sum(axis=1, keepdims=True))
     arrived = ideal + np.array([-400.0, -200.0]) / focal
     moved = focal * (arrived * (1.0 + k1 * (arrived**2).sum(axis=1, keepdims=True)) - seen)
-    assert_allclose(scene.neglected(mesh), moved - PIXEL_MOTION, rtol=0.0, atol=1e-8)
+    assert_allclose(ignored_distortion(scene, mesh), moved - PIXEL_MOTION, rtol=0.0, atol=1e-8)
     assert_allclose(scene.camera.project(scene.in_millimetres(mesh).points), mesh.points, rtol=0.0, atol=1e-8)
 
 
@@ -132,11 +134,11 @@ def test_the_rounding_floor_is_the_error_of_a_translation() -> None:
     wave = 100.0 + 50.0 * (np.sin(2.0 * np.pi * u / 20.0) + np.sin(2.0 * np.pi * v / 20.0))
     slope = 50.0 * 2.0 * np.pi / 20.0 / np.sqrt(2.0)
     expected = np.sqrt(2.0) * ROUNDING / (slope * 300.0)
-    assert_allclose(scene.rounding_floor(Pair(wave, wave)), expected, rtol=0.02)
+    assert_allclose(rounding_floor(scene, ImagePair(wave, wave)), expected, rtol=0.02)
 
 
 def test_rounding_to_8_bits_keeps_the_grey_levels() -> None:
     fine = np.array([[0, 128, 129, 65535]], dtype=np.uint16)
-    pair = Pair(fine, fine[:, ::-1]).rounded()
+    pair = ImagePair(fine, fine[:, ::-1]).rounded()
     assert pair.reference.tolist() == [[0, 0, 1, 255]]
     assert pair.deformed.tolist() == [[255, 1, 0, 0]]

@@ -8,10 +8,10 @@ import pytest
 
 import fedic
 from fedic.experiments import Claim, Outcome, Request, run_experiment
+from fedic.experiments.dic_challenge_star import star_mesh, synthetic_star, turned_mesh
 from fedic.experiments.motions import Motion, scenes
 from fedic.experiments.outcome import Row
 from fedic.experiments.reconstruction import Space, reconstruct
-from fedic.experiments.star import star_mesh, synthetic_star, turned_mesh
 
 Shared = Callable[[str], Path]
 

@@ -9,11 +9,10 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 import fedic
+from fedic.demo.scene import HEIGHT, LEVELS, MILLIMETRES, PRINCIPAL_POINT, RADIAL, SPECKLE, WIDTH, Scene
 from fedic.experiments import Request, run_experiment
-from fedic.experiments.lens import HEIGHT, MILLIMETRES, PRINCIPAL_POINT, RADIAL, WIDTH, Scene
 from fedic.experiments.lens_errors import measure
-from fedic.experiments.settings import DEFAULT
-from fedic.experiments.subjects import LEVELS, SPECKLE
+from fedic.experiments.option_sets import DEFAULT
 from fedic.starts.fft import translation_start
 from interruption import interrupt, read_line, script
 

@@ -6,12 +6,12 @@ import numpy as np
 
 from fedic._internal.types import CellName, Image
 from fedic.correlation import Correlator
+from fedic.demo.scene import SPECKLE
 from fedic.errors import SolveError
 from fedic.experiments.convergence_claims import claims_of
 from fedic.experiments.convergence_figures import basin_figure, iteration_figure
 from fedic.experiments.motions import Motion, Scene, scenes
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.subjects import SPECKLE
 
 __all__ = ["run"]
 

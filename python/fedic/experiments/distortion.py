@@ -11,10 +11,13 @@ from matplotlib.lines import Line2D
 
 from fedic._core import BrownDistortion, Mesh
 from fedic._internal.types import CellName, Floats
-from fedic.experiments.lens import FOCAL, MILLIMETRES, RADIAL, Pair, Scene
-from fedic.experiments.lens_errors import Measurement, measure, rounding_bound, sum_up
+from fedic.demo.measurement import Measurement
+from fedic.demo.scene import FOCAL, MILLIMETRES, RADIAL, ImagePair, Scene
+from fedic.experiments.lens import ignored_distortion
+from fedic.experiments.lens_errors import measure, rounding_bound, sum_up
+from fedic.experiments.option_sets import DEFAULT, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT, UNFILTERED, Setting
+from fedic.experiments.reference_images import window_mesh
 from fedic.experiments.sweep import rms
 
 __all__ = ["run"]
@@ -140,8 +143,8 @@ def run(request: Request) -> Outcome:
 def _rows(name: str, value: float, scene: Scene, count: int) -> list[Row]:
     fine = [scene.pair(seed) for seed in range(count)]
     coarse = [pair.rounded() for pair in fine]
-    mesh = scene.mesh(SIZE, CELL)
-    expected = scene.neglected(mesh)
+    mesh = window_mesh(scene.window, SIZE, CELL)
+    expected = ignored_distortion(scene, mesh)
     bound = rounding_bound(scene, coarse[0], mesh)
     rows: list[Row] = []
     for setting in SETTINGS:
@@ -170,9 +173,9 @@ def _rows(name: str, value: float, scene: Scene, count: int) -> list[Row]:
     return rows
 
 
-def _measure(scene: Scene, pair: Pair, mesh: Mesh, setting: Setting, lens: bool) -> Measurement:
+def _measure(scene: Scene, pair: ImagePair, mesh: Mesh, setting: OptionSet, lens: bool) -> Measurement:
     """Start half a pixel beside the truth: the search for the start of a wide angle is not the subject."""
-    truth = np.tile(scene.motion, (mesh.num_nodes, 1)) if lens else scene.neglected(mesh) + scene.pixel_motion
+    truth = np.tile(scene.motion, (mesh.num_nodes, 1)) if lens else ignored_distortion(scene, mesh) + scene.pixel_motion
     start = truth + 0.5 * (MILLIMETRES if lens else 1.0)
     rule = setting.quadrature("mesh" if lens else "pixel")
     return measure(scene, pair, mesh, setting, rule, lens=lens, initial=start)
@@ -186,7 +189,7 @@ def _at_the_corner(scene: Scene) -> float:
     return float(np.linalg.norm(lens.project(corner) - ideal.project(corner)))
 
 
-def _pick(rows: list[Row], setting: Setting, lens: bool, bits: int) -> list[Row]:
+def _pick(rows: list[Row], setting: OptionSet, lens: bool, bits: int) -> list[Row]:
     return [row for row in rows if (row["setting"], row["lens"], row["bits"]) == (setting.name, lens, bits)]
 
 

@@ -5,12 +5,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fedic._internal.types import CellName
-from fedic.experiments.lens import Scene, textures
+from fedic.demo.scene import Scene
+from fedic.experiments.lens import rounding_floor, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
+from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT, PAPER, UNFILTERED, Setting
+from fedic.experiments.reference_images import SIZES, window_mesh
 from fedic.experiments.style import COLOURS, MARKERS
-from fedic.experiments.subjects import SIZES
 
 __all__ = ["run"]
 
@@ -47,7 +48,7 @@ def run(request: Request) -> Outcome:
     rows: list[Row] = []
     for size in sizes:
         for cell in CELLS:
-            mesh = scene.mesh(size, cell)
+            mesh = window_mesh(scene.window, size, cell)
             bound = rounding_bound(scene, coarse[0], mesh)
             for setting in SETTINGS:
                 for bits, pairs in depths:
@@ -66,7 +67,7 @@ def run(request: Request) -> Outcome:
                             }
                         )
                         request.progress(len(rows) / total)
-    floor = float(scene.rounding_floor(coarse[0]).max())
+    floor = float(rounding_floor(scene, coarse[0]).max())
     return Outcome(
         "fig14",
         "A large shift through a lens over element size",
@@ -87,7 +88,7 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _pick(rows: list[Row], setting: Setting, kind: str, bits: int) -> list[Row]:
+def _pick(rows: list[Row], setting: OptionSet, kind: str, bits: int) -> list[Row]:
     """Rows of the sizes that claims are made of."""
     return [
         row
@@ -101,7 +102,7 @@ def _bias(rows: list[Row]) -> float:
     return max(max(float(row["bias_u_px"]), float(row["bias_v_px"])) for row in rows)
 
 
-def _claims(setting: Setting, rows: list[Row], floor: float) -> list[Claim]:
+def _claims(setting: OptionSet, rows: list[Row], floor: float) -> list[Claim]:
     lens, fine = _pick(rows, setting, "mesh", 8), _pick(rows, setting, "mesh", 16)
     ratios = np.array([float(row["std_px"]) / float(row["bound_px"]) for row in lens])
     ignored = np.array([float(row["bias_u_px"]) for row in _pick(rows, setting, "pixel", 8)])

@@ -10,10 +10,12 @@ from matplotlib.figure import Figure
 from fedic._core import Mesh
 from fedic._internal.types import CellName
 from fedic.correlation import Correlator
-from fedic.experiments.lens import Pair, Scene, textures
+from fedic.demo.scene import ImagePair, Scene
+from fedic.experiments.lens import textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
+from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT, PAPER, UNFILTERED, Setting
+from fedic.experiments.reference_images import window_mesh
 from fedic.experiments.style import MARKERS
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 
@@ -59,7 +61,7 @@ def run(request: Request) -> Outcome:
     rows: list[Row] = []
     total = len(CELLS) * len(SETTINGS) * (1 + (1 if request.quick else len(RULES)) * len(ratios))
     for cell in CELLS:
-        mesh = scene.mesh(SIZE, cell)
+        mesh = window_mesh(scene.window, SIZE, cell)
         bound = rounding_bound(scene, pairs[0], mesh)
         area = float(mesh.areas().sum())
         for setting in SETTINGS:
@@ -98,7 +100,7 @@ def run(request: Request) -> Outcome:
 
 
 def _quadratures(
-    scene: Scene, pair: Pair, mesh: Mesh, rules: tuple[Rule, ...], ratios: tuple[float, ...]
+    scene: Scene, pair: ImagePair, mesh: Mesh, rules: tuple[Rule, ...], ratios: tuple[float, ...]
 ) -> Iterator[tuple[str, MeshQuadrature | PixelQuadrature]]:
     """Yield the pixel rule, and each rule in the mesh with nearly the wanted numbers of points per pixel."""
     yield "pixel", PixelQuadrature()
@@ -109,11 +111,11 @@ def _quadratures(
             yield rule, MeshQuadrature(density=ratio * area / whole, rule=rule)
 
 
-def _line(rows: list[Row], setting: Setting, rule: str, cell: str) -> list[Row]:
+def _line(rows: list[Row], setting: OptionSet, rule: str, cell: str) -> list[Row]:
     return [row for row in rows if (row["setting"], row["rule"], row["cell"]) == (setting.name, rule, cell)]
 
 
-def _change(rows: list[Row], setting: Setting, cell: str, ratio: float, base: float) -> float:
+def _change(rows: list[Row], setting: OptionSet, cell: str, ratio: float, base: float) -> float:
     """Return by how much the standard deviation changes from `base` to `ratio` points per pixel, by the own rule."""
     line = _line(rows, setting, OWN_RULE[setting.name], cell)
     ratios, stds = (np.log([float(row[key]) for row in line]) for key in ("points_per_pixel", "std_px"))
@@ -216,7 +218,7 @@ def _claims(rows: list[Row]) -> list[Claim]:
     return claims
 
 
-def _knee(rows: list[Row], setting: Setting, places: dict[CellName, float], *, at_least: float) -> Claim:
+def _knee(rows: list[Row], setting: OptionSet, places: dict[CellName, float], *, at_least: float) -> Claim:
     half = {cell: _change(rows, setting, cell, 0.5 * places[cell], places[cell]) for cell in CELLS}
     twice = {cell: -_change(rows, setting, cell, 2.0 * places[cell], places[cell]) for cell in CELLS}
     knees = ", ".join(f"{place:g} ({cell})" for cell, place in places.items())

@@ -4,11 +4,14 @@ import numpy as np
 
 from fedic._core import Mesh
 from fedic._internal.types import CellName, Floats
-from fedic.experiments.lens import Pair, Scene, textures
-from fedic.experiments.lens_errors import Measurement, measure, rounding_bound, sum_up
-from fedic.experiments.lens_maps import draw_error_maps
+from fedic.demo.measurement import Measurement
+from fedic.demo.scene import ImagePair, Scene
+from fedic.experiments.lens import ignored_distortion, rounding_floor, textures
+from fedic.experiments.lens_errors import measure, rounding_bound, sum_up
+from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT, PAPER, UNFILTERED, Setting
+from fedic.experiments.reference_images import window_mesh
+from fedic.plotting.error_maps import draw_error_maps
 
 __all__ = ["run"]
 
@@ -37,8 +40,8 @@ def run(request: Request) -> Outcome:
     scene = Scene()
     fine = textures(QUICK_TEXTURES if request.quick else TEXTURES)
     coarse = [pair.rounded() for pair in fine]
-    mesh = scene.mesh(SIZE, CELL)
-    expected = scene.neglected(mesh)
+    mesh = window_mesh(scene.window, SIZE, CELL)
+    expected = ignored_distortion(scene, mesh)
     bound = rounding_bound(scene, coarse[0], mesh)
     rows: list[Row] = []
     figures = {}
@@ -59,9 +62,9 @@ def run(request: Request) -> Outcome:
                 )
             if bits == 8 and setting in (DEFAULT, PAPER):
                 figures["" if setting is DEFAULT else setting.name] = draw_error_maps(
-                    (found["mesh"][0], found["pixel"][0]), expected
+                    [found["mesh"][0].error_map, found["pixel"][0].error_map], expected
                 )
-    floor = float(scene.rounding_floor(coarse[0]).max())
+    floor = float(rounding_floor(scene, coarse[0]).max())
     return Outcome(
         "fig16",
         "The rings of the lens in the error of a large shift",
@@ -82,7 +85,7 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(scene: Scene, pairs: list[Pair], mesh: Mesh, setting: Setting, kind: str) -> list[Measurement]:
+def _measure(scene: Scene, pairs: list[ImagePair], mesh: Mesh, setting: OptionSet, kind: str) -> list[Measurement]:
     rule = setting.quadrature(kind)
     return [measure(scene, pair, mesh, setting, rule, lens=kind == "mesh") for pair in pairs]
 
@@ -95,7 +98,7 @@ def _likeness(found: list[Measurement], expected: Floats) -> Row:
     return {"correlation_u": float(u), "correlation_v": float(v), "std_from_theory_px": float(np.mean(rest))}
 
 
-def _row(rows: list[Row], setting: Setting, kind: str, bits: int) -> Row:
+def _row(rows: list[Row], setting: OptionSet, kind: str, bits: int) -> Row:
     return next(row for row in rows if (row["setting"], row["quadrature"], row["bits"]) == (setting.name, kind, bits))
 
 

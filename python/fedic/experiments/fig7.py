@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fedic._internal.types import CellName
+from fedic.experiments.option_sets import DEFAULT, LEGEND, PAPER, PAPER_SPLINES, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
-from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, PAPER_SPLINES, UNFILTERED, Setting
+from fedic.experiments.reference_images import SIZES, ReferenceImage, reference_images, window_mesh
 from fedic.experiments.style import COLOURS, MARKERS
-from fedic.experiments.subjects import SIZES, Subject, subjects, window_mesh
 from fedic.experiments.sweep import measure_shifts
 
 __all__ = ["run"]
@@ -35,7 +35,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over image, setting, quadrature, cell and size.
     """
-    images = subjects(request)
+    images = reference_images(request)
     sizes = QUICK_SIZES if request.quick else SIZES
     rows: list[Row] = []
     for index, subject in enumerate(images):
@@ -53,7 +53,7 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(subject: Subject, sizes: tuple[int, ...], progress: Progressed) -> list[Row]:
+def _measure(subject: ReferenceImage, sizes: tuple[int, ...], progress: Progressed) -> list[Row]:
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in SHIFTS]
     rows: list[Row] = []
@@ -78,7 +78,7 @@ def _measure(subject: Subject, sizes: tuple[int, ...], progress: Progressed) -> 
     return rows
 
 
-def _pick(rows: list[Row], image: str, setting: Setting, kind: str) -> dict[tuple[str, int], Row]:
+def _pick(rows: list[Row], image: str, setting: OptionSet, kind: str) -> dict[tuple[str, int], Row]:
     """Rows of the sizes that claims are made of, by cell and size."""
     return {
         (row["cell"], row["size_px"]): row

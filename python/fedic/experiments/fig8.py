@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fedic._internal.types import CellName, Floats
+from fedic.experiments.option_sets import DEFAULT, LEGEND, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
-from fedic.experiments.settings import DEFAULT, LEGEND, PAPER, UNFILTERED, Setting
+from fedic.experiments.reference_images import ReferenceImage, reference_images, window_mesh
 from fedic.experiments.style import MARKERS
-from fedic.experiments.subjects import Subject, subjects, window_mesh
 from fedic.experiments.sweep import draw_displacements, measure_shifts, noise_bound, rms
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
@@ -42,7 +42,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over image, setting, cell, rule and density.
     """
-    images = subjects(request)
+    images = reference_images(request)
     rows: list[Row] = []
     for index, subject in enumerate(images):
         rows += _measure(subject, request.quick, request.part(index, len(images)))
@@ -60,7 +60,7 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
+def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list[Row]:
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in SHIFTS]
     densities = QUICK_DENSITIES if quick else DENSITIES
@@ -93,7 +93,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
 
 
 def _claims(image: str, rows: list[Row]) -> list[Claim]:
-    def ratio(setting: Setting, cell: str, rule: str, density: float) -> float:
+    def ratio(setting: OptionSet, cell: str, rule: str, density: float) -> float:
         wanted = (image, setting.name, cell, rule, density)
         for row in rows:
             if tuple(row[key] for key in ("image", "setting", "cell", "rule", "density")) == wanted:

@@ -8,10 +8,11 @@ from matplotlib.figure import Figure
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
 from fedic._internal.types import Floats
 from fedic.correlation import Correlator
+from fedic.demo.scene import SPECKLE
+from fedic.experiments.option_sets import OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
-from fedic.experiments.settings import Setting
-from fedic.experiments.subjects import SPECKLE, Subject, subjects, window_mesh
-from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE, draw_displacements, measure_shifts, noise_bound, rms
+from fedic.experiments.reference_images import ReferenceImage, reference_images, window_mesh
+from fedic.experiments.sweep import MAX_ITERATIONS, TOLERANCE, draw_displacements, measure_shifts, noise_bound, rms
 from fedic.quadrature import MeshQuadrature
 from fedic.synthetic import Speckle, render
 
@@ -43,7 +44,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over image, mesh, rule, interpolation, gradient and smoothing.
     """
-    images = subjects(request)
+    images = reference_images(request)
     rows: list[Row] = []
     for index, subject in enumerate(images):
         rows += _measure(subject, request.quick, request.part(index, len(images)))
@@ -63,7 +64,7 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
+def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list[Row]:
     shifts = [(shift, 0.0) for shift in (QUICK_SHIFTS if quick else SHIFTS)]
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in shifts]
@@ -89,7 +90,7 @@ def _measure(subject: Subject, quick: bool, progress: Progressed) -> list[Row]:
     for interpolation, gradient, smoothing in choices:
         options = {"interpolation": interpolation, "gradient": gradient, "smoothing": smoothing}
         for name, mesh, quadrature in meshes:
-            setting = Setting(interpolation, options, quadrature)
+            setting = OptionSet(interpolation, options, quadrature)
             found = measure_shifts(reference, deformed, shifts, mesh, setting, quadrature)
             chosen_mesh = mesh is unstructured and quadrature.rule == "rotated"
             noise = np.nan
@@ -129,7 +130,7 @@ class _Stretch:
     def _motion(self, points: Floats) -> Floats:
         return np.stack([STRETCH * (points[:, 0] - self._middle), np.zeros(len(points))], axis=1)
 
-    def error(self, setting: Setting) -> float:
+    def error(self, setting: OptionSet) -> float:
         """Return the root mean square error at the nodes, in pixels."""
         truth = self._motion(self._mesh.points)
         correlator = Correlator(
@@ -137,7 +138,7 @@ class _Stretch:
             self._mesh,
             quadrature=setting.mesh,
             tolerance=TOLERANCE,
-            max_iterations=MOST_ITERATIONS,
+            max_iterations=MAX_ITERATIONS,
             **setting.options,
         )
         return rms(correlator.correlate(self._deformed, initial=truth).displacement - truth)

@@ -1,57 +1,22 @@
 """Measuring the known motion of the scene with a lens, with and without the model of that lens."""
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fedic._core import ImageFrame, Mesh
-from fedic._internal.types import Floats, Progress
-from fedic.correlation import Correlator, Initial, correlate
+from fedic._core import Mesh
+from fedic.correlation import Correlator, Initial
+from fedic.demo.measurement import Measurement, measure_pair
+from fedic.demo.scene import ImagePair, Scene
 from fedic.errors import SolveError
-from fedic.experiments.lens import MILLIMETRES, ROUNDING, Pair, Scene
+from fedic.experiments.lens import ROUNDING
+from fedic.experiments.option_sets import UNFILTERED, OptionSet
 from fedic.experiments.outcome import Row
-from fedic.experiments.settings import UNFILTERED, Setting
-from fedic.experiments.sweep import MOST_ITERATIONS, TOLERANCE, rms
+from fedic.experiments.sweep import MAX_ITERATIONS, TOLERANCE, rms
 from fedic.quadrature import Quadrature
-from fedic.result import Result
 
-__all__ = ["LensAccuracy", "Measurement", "measure", "measure_pairs", "rounding_bound", "sum_up"]
-
-
-@dataclass(frozen=True, eq=False)
-class Measurement:
-    """One measurement against the truth.
-
-    Attributes
-    ----------
-    name : str
-        What was used.
-    result : Result
-        The measurement.
-    errors : ndarray of float, shape (n, 2)
-        Measured minus true displacement of the nodes along ``u`` and ``v``, in pixels.
-    seconds : float
-        Time of the correlation.
-    """
-
-    name: str
-    result: Result
-    errors: Floats
-    seconds: float
-
-    @property
-    def bias(self) -> tuple[float, float]:
-        """Mean of the errors, in pixels."""
-        u, v = self.errors.mean(axis=0)
-        return float(u), float(v)
-
-    @property
-    def std(self) -> tuple[float, float]:
-        """Standard deviation of the errors, in pixels."""
-        u, v = self.errors.std(axis=0)
-        return float(u), float(v)
+__all__ = ["LensAccuracy", "measure", "measure_pairs", "rounding_bound", "sum_up"]
 
 
 @dataclass(frozen=True)
@@ -94,14 +59,13 @@ class LensAccuracy:
 
 def measure(
     scene: Scene,
-    pair: Pair,
+    pair: ImagePair,
     mesh: Mesh,
-    setting: Setting,
+    setting: OptionSet,
     quadrature: Quadrature,
     *,
     lens: bool,
     initial: Initial = "fft",
-    progress: Progress | None = None,
 ) -> Measurement:
     """Measure one pair of images with one mesh.
 
@@ -109,11 +73,11 @@ def measure(
     ----------
     scene : Scene
         Where the images come from.
-    pair : Pair
+    pair : ImagePair
         The images.
     mesh : Mesh
         In pixels.
-    setting : Setting
+    setting : OptionSet
         Interpolation, gradient and smoothing.
     quadrature : Quadrature
         Where the points lie.
@@ -122,8 +86,6 @@ def measure(
         left in pixels.
     initial : str or array_like
         The start.
-    progress : callable, optional
-        See `fedic.Correlator.correlate`.
 
     Returns
     -------
@@ -135,27 +97,21 @@ def measure(
     SolveError
         If the images do not determine the displacement.
     """
-    start = time.perf_counter()
-    result = correlate(
-        pair.reference,
-        pair.deformed,
-        scene.in_millimetres(mesh) if lens else mesh,
-        scene.camera if lens else ImageFrame(),
+    return measure_pair(
+        scene,
+        pair,
+        mesh,
+        lens=lens,
         quadrature=quadrature,
         initial=initial,
         tolerance=TOLERANCE,
-        max_iterations=MOST_ITERATIONS,
-        progress=progress,
+        max_iterations=MAX_ITERATIONS,
         **setting.options,
     )
-    seconds = time.perf_counter() - start
-    if lens:
-        return Measurement("mesh, with the lens", result, _in_pixels(result.displacement - scene.motion), seconds)
-    return Measurement("pixels, without the lens", result, result.displacement - scene.pixel_motion, seconds)
 
 
 def measure_pairs(
-    scene: Scene, pairs: Sequence[Pair], mesh: Mesh, setting: Setting, quadrature: Quadrature, *, lens: bool
+    scene: Scene, pairs: Sequence[ImagePair], mesh: Mesh, setting: OptionSet, quadrature: Quadrature, *, lens: bool
 ) -> LensAccuracy:
     """Measure several textures and sum up the errors.
 
@@ -163,7 +119,7 @@ def measure_pairs(
     ----------
     scene : Scene
         Where the images come from.
-    pairs : sequence of Pair
+    pairs : sequence of ImagePair
         One per texture.
     mesh, setting, quadrature, lens
         See `measure`.
@@ -178,7 +134,7 @@ def measure_pairs(
         try:
             found.append(measure(scene, pair, mesh, setting, quadrature, lens=lens))
         except SolveError:
-            return LensAccuracy((np.nan, np.nan), (np.nan, np.nan), MOST_ITERATIONS, False, 0)
+            return LensAccuracy((np.nan, np.nan), (np.nan, np.nan), MAX_ITERATIONS, False, 0)
     return sum_up(found)
 
 
@@ -206,14 +162,14 @@ def sum_up(found: Sequence[Measurement]) -> LensAccuracy:
     )
 
 
-def rounding_bound(scene: Scene, pair: Pair, mesh: Mesh) -> float:
+def rounding_bound(scene: Scene, pair: ImagePair, mesh: Mesh) -> float:
     """Compute the Cramér-Rao bound of the displacement for the rounding of 8-bit images.
 
     Parameters
     ----------
     scene : Scene
         Where the images come from.
-    pair : Pair
+    pair : ImagePair
         In 8 bits.
     mesh : Mesh
         In pixels; measured through the camera, with one point per pixel and no smoothing.
@@ -226,9 +182,4 @@ def rounding_bound(scene: Scene, pair: Pair, mesh: Mesh) -> float:
     correlator = Correlator(
         pair.reference, scene.in_millimetres(mesh), scene.camera, quadrature=UNFILTERED.mesh, **UNFILTERED.options
     )
-    return rms(_in_pixels(correlator.standard_deviations(ROUNDING)))
-
-
-def _in_pixels(vectors: Floats) -> Floats:
-    """Return vectors of the plane in pixels, `v` being down."""
-    return vectors / MILLIMETRES * (1.0, -1.0)
+    return rms(scene.in_pixels(correlator.standard_deviations(ROUNDING)))

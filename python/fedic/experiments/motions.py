@@ -9,8 +9,9 @@ import numpy as np
 
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
 from fedic._internal.types import CellName, Floats, Image
+from fedic.demo.scene import LEVELS, SPECKLE
 from fedic.experiments.outcome import Request
-from fedic.experiments.subjects import LEVELS, SPECKLE, subjects
+from fedic.experiments.reference_images import reference_images
 from fedic.synthetic import Speckle, render
 
 __all__ = ["Motion", "Scene", "scenes"]
@@ -119,7 +120,7 @@ def scenes(request: Request) -> list[Scene]:
     """
     found = [_synthetic()]
     if request.image is not None:
-        real = subjects(request)[-1]
+        real = reference_images(request)[-1]
         corner = (real.left + _CORNER[0], real.top + _CORNER[1])
         found.append(Scene(real.name, real.image, corner, _resampler(real.image, corner)))
     return found

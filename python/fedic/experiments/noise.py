@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from fedic._core import ImageFrame, Mesh, rectangle_mesh
 from fedic._internal.types import CellName, Floats
 from fedic.correlation import Correlator
+from fedic.demo.scene import LEVELS, SPECKLE
+from fedic.experiments.option_sets import DEFAULT, LEGEND, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT, LEGEND, UNFILTERED, Setting
-from fedic.experiments.subjects import LEVELS, SPECKLE
 from fedic.experiments.sweep import draw_displacements, noise_bound, rms
 from fedic.plotting import draw_nodal_field
 from fedic.synthetic import Speckle, add_noise, render
@@ -85,7 +85,7 @@ def _errors(
     reference: NDArray[np.float32],
     deformed: NDArray[np.float32],
     mesh: Mesh,
-    setting: Setting,
+    setting: OptionSet,
     noise: float,
     draws: int,
 ) -> Floats:
@@ -93,7 +93,7 @@ def _errors(
     return np.asarray(found - MOTION)
 
 
-def _predicted(reference: NDArray[np.float32], mesh: Mesh, setting: Setting, noise: float) -> Floats:
+def _predicted(reference: NDArray[np.float32], mesh: Mesh, setting: OptionSet, noise: float) -> Floats:
     correlator = Correlator(reference, mesh, quadrature=setting.mesh, **setting.options)
     return correlator.standard_deviations(noise)
 
@@ -101,7 +101,7 @@ def _predicted(reference: NDArray[np.float32], mesh: Mesh, setting: Setting, noi
 def _row(
     reference: NDArray[np.float32],
     mesh: Mesh,
-    setting: Setting,
+    setting: OptionSet,
     cell: CellName,
     size: float,
     noise: float,

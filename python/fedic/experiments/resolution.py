@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from fedic._internal.types import CellName, Floats
 from fedic.correlation import correlate
-from fedic.experiments.merit import Field, Measured, field_of, measure_merit
+from fedic.experiments.dic_challenge_star import Laid, Star, real_star, star_mesh, synthetic_star, turned_mesh
+from fedic.experiments.mei import Field, Measured, field_of, measure_merit
+from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED
 from fedic.experiments.outcome import Outcome, Request
 from fedic.experiments.reconstruction import Space, reconstruct
 from fedic.experiments.resolution_claims import claims_of
 from fedic.experiments.resolution_figures import amplitude_figure, merit_figure, variant_figure
-from fedic.experiments.settings import DEFAULT, PAPER, UNFILTERED
-from fedic.experiments.star import Laid, Star, real_star, star_mesh, synthetic_star, turned_mesh
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.result import Result
 

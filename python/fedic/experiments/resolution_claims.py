@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from fedic.experiments.merit import Measured
+from fedic.experiments.mei import Measured
 from fedic.experiments.outcome import Claim
 
 __all__ = ["claims_of"]

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fedic.experiments.merit import Measured
+from fedic.experiments.mei import Measured
 
 __all__ = ["amplitude_figure", "merit_figure", "variant_figure"]
 

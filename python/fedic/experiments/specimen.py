@@ -10,11 +10,10 @@ from fedic._core import BrownDistortion, Mesh, Pinhole, rectangle_mesh
 from fedic._internal.types import Floats, Image
 from fedic.calibration.specimen import calibrate_on_specimen
 from fedic.correlation import correlate
-from fedic.experiments.lens import HEIGHT, MILLIMETRES, PRINCIPAL_POINT, RADIAL, WIDTH, Pair, Scene
+from fedic.demo.scene import HEIGHT, LEVELS, MILLIMETRES, PRINCIPAL_POINT, RADIAL, SPECKLE, WIDTH, ImagePair, Scene
 from fedic.experiments.lens_errors import measure
+from fedic.experiments.option_sets import DEFAULT
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT
-from fedic.experiments.subjects import LEVELS, SPECKLE
 from fedic.synthetic import Speckle, add_noise, render
 
 __all__ = ["run"]
@@ -82,7 +81,7 @@ def _image(scene: Scene, texture: Speckle, motion: tuple[float, float] | None) -
 
 
 def _row(
-    scene: Scene, images: Sequence[Image], pair: Pair, window: Mesh, ignored: Floats, length: float, noise: float
+    scene: Scene, images: Sequence[Image], pair: ImagePair, window: Mesh, ignored: Floats, length: float, noise: float
 ) -> Row:
     true = scene.camera
     start = Pinhole(true.focal, ((WIDTH - 1) / 2, (HEIGHT - 1) / 2), true.rotation, true.translation)
@@ -113,7 +112,7 @@ def _row(
     }
 
 
-def _errors(scene: Scene, camera: Pinhole, pair: Pair, window: Mesh) -> Floats:
+def _errors(scene: Scene, camera: Pinhole, pair: ImagePair, window: Mesh) -> Floats:
     """Measured less true displacement of the nodes with a camera, in pixels of the optical axis."""
     mesh = Mesh(camera.unproject(window.points)[:, :2], window.cells)
     result = correlate(pair.reference, pair.deformed, mesh, camera, initial="fft", **DEFAULT.options)

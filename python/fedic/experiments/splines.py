@@ -10,19 +10,10 @@ from fedic._internal.types import Floats
 from fedic.calibration import Calibration, calibrate_points
 from fedic.cameras.poses import posed
 from fedic.correlation import correlate
-from fedic.experiments.lens import (
-    FOCAL,
-    HEIGHT,
-    MILLIMETRES,
-    PIXEL_MOTION,
-    PRINCIPAL_POINT,
-    RADIAL,
-    WIDTH,
-    Pair,
-    Scene,
-)
+from fedic.demo.scene import FOCAL, HEIGHT, MILLIMETRES, PIXEL_MOTION, PRINCIPAL_POINT, RADIAL, WIDTH, ImagePair, Scene
+from fedic.experiments.option_sets import DEFAULT
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
-from fedic.experiments.settings import DEFAULT
+from fedic.experiments.reference_images import window_mesh
 from fedic.registration import register
 
 __all__ = ["run"]
@@ -150,7 +141,7 @@ def _seen(scene: Scene, angles: Floats, middle: Floats, distance: float) -> tupl
     return points, posed(true, rotation, np.array(place)).project(points)
 
 
-def _placed(scene: Scene, calibration: Calibration, pair: Pair, points: Floats, pixels: Floats) -> Pinhole:
+def _placed(scene: Scene, calibration: Calibration, pair: ImagePair, points: Floats, pixels: Floats) -> Pinhole:
     """Return the camera found, before the plane of the scene by points whose places are known in it."""
     start = posed(calibration.camera, scene.camera.rotation, np.asarray(scene.camera.translation))
     middle = (np.array([0.5 * WIDTH, 0.5 * HEIGHT]) - PRINCIPAL_POINT) * (MILLIMETRES, -MILLIMETRES)
@@ -161,9 +152,9 @@ def _placed(scene: Scene, calibration: Calibration, pair: Pair, points: Floats, 
     return placed
 
 
-def _row(scene: Scene, pair: Pair, draw: int, model: str, calibration: Calibration, camera: Pinhole) -> Row:
+def _row(scene: Scene, pair: ImagePair, draw: int, model: str, calibration: Calibration, camera: Pinhole) -> Row:
     errors = _errors_of_camera(scene, camera)
-    nodes = scene.mesh(SIZE, "quad")
+    nodes = window_mesh(scene.window, SIZE, "quad")
     mesh = Mesh(camera.unproject(nodes.points)[:, :2], nodes.cells)
     result = correlate(pair.reference, pair.deformed, mesh, camera, initial="fft", **DEFAULT.options)
     nodal = (result.displacement - scene.motion) / MILLIMETRES

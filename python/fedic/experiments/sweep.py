@@ -9,13 +9,13 @@ from fedic._core import Mesh
 from fedic._internal.types import Floats, Image
 from fedic.correlation import Correlator
 from fedic.errors import SolveError
+from fedic.experiments.option_sets import UNFILTERED, OptionSet
 from fedic.experiments.outcome import Row
-from fedic.experiments.settings import UNFILTERED, Setting
 from fedic.quadrature import MeshQuadrature, Quadrature
 from fedic.synthetic import add_noise
 
 __all__ = [
-    "MOST_ITERATIONS",
+    "MAX_ITERATIONS",
     "TOLERANCE",
     "Accuracy",
     "draw_displacements",
@@ -26,7 +26,7 @@ __all__ = [
 
 TOLERANCE = 1e-5
 TOLERANCE_UNDER_NOISE = 1e-4
-MOST_ITERATIONS = 400
+MAX_ITERATIONS = 400
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def measure_shifts(
     deformed: Sequence[Image],
     shifts: Sequence[tuple[float, float]],
     mesh: Mesh,
-    setting: Setting,
+    setting: OptionSet,
     quadrature: Quadrature,
 ) -> Accuracy:
     """Measure images moved by known translations of the whole, without brightness correction.
@@ -94,7 +94,7 @@ def measure_shifts(
         Their motions, in pixels.
     mesh : Mesh
         In the image frame.
-    setting : Setting
+    setting : OptionSet
         Interpolation, gradient and smoothing.
     quadrature : Quadrature
         Where the points lie.
@@ -110,7 +110,7 @@ def measure_shifts(
         quadrature=quadrature,
         brightness=None,
         tolerance=TOLERANCE,
-        max_iterations=MOST_ITERATIONS,
+        max_iterations=MAX_ITERATIONS,
         **setting.options,
     )
     biases, stds, iterations, converged = [], [], 0, True
@@ -119,7 +119,7 @@ def measure_shifts(
             result = correlator.correlate(image)
         except SolveError:
             missing = (np.nan,) * len(shifts)
-            return Accuracy(missing, missing, MOST_ITERATIONS, False, correlator.num_points)
+            return Accuracy(missing, missing, MAX_ITERATIONS, False, correlator.num_points)
         errors: Floats = result.displacement[:, 0] - shift[0]
         biases.append(abs(float(errors.mean())))
         stds.append(float(errors.std()))
@@ -153,7 +153,7 @@ def draw_displacements(
     reference: Image,
     deformed: Image,
     mesh: Mesh,
-    setting: Setting,
+    setting: OptionSet,
     quadrature: Quadrature,
     noise: float,
     draws: int,
@@ -168,7 +168,7 @@ def draw_displacements(
         The images without that noise.
     mesh : Mesh
         In the image frame.
-    setting : Setting
+    setting : OptionSet
         Interpolation, gradient and smoothing.
     quadrature : Quadrature
         Where the points lie.

@@ -12,15 +12,17 @@ from typing import Any
 
 from fedic._core import __version__, rectangle_mesh
 from fedic._internal.types import Image, Progress
-from fedic.experiments.lens import Scene
-from fedic.experiments.lens_errors import Measurement
-from fedic.experiments.lens_errors import measure as measure_pair
-from fedic.experiments.lens_maps import draw_error_maps
-from fedic.experiments.settings import DEFAULT
+from fedic.demo.measurement import Measurement, measure_pair
+from fedic.demo.scene import Scene
 from fedic.io.atomic import write_json
 from fedic.plotting import save_figure
+from fedic.plotting.error_maps import draw_error_maps
+from fedic.quadrature import MeshQuadrature, PixelQuadrature
 
-__all__ = ["Demo", "Measurement", "measure", "write_demo"]
+__all__ = ["Demo", "measure", "write_demo"]
+
+_TOLERANCE = 1e-5
+_MAX_ITERATIONS = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +74,18 @@ def measure(
     pair = scene.pair(seed, on_render).rounded()
     mesh = rectangle_mesh(scene.window, size=size)
     with_lens, without_lens = (
-        measure_pair(scene, pair, mesh, DEFAULT, DEFAULT.quadrature(kind), lens=kind == "mesh", progress=progress)
-        for kind in ("mesh", "pixel")
+        measure_pair(
+            scene,
+            pair,
+            mesh,
+            lens=lens,
+            quadrature=MeshQuadrature() if lens else PixelQuadrature(),
+            initial="fft",
+            tolerance=_TOLERANCE,
+            max_iterations=_MAX_ITERATIONS,
+            progress=progress,
+        )
+        for lens in (True, False)
     )
     return Demo(pair.reference, pair.deformed, with_lens, without_lens)
 
@@ -94,7 +106,8 @@ def write_demo(demo: Demo, folder: Path) -> None:
     tifffile.imwrite(folder / "deformed.tif", demo.deformed)
     demo.with_lens.result.write(folder / "with-lens.vtu")
     demo.without_lens.result.write(folder / "without-lens.vtu")
-    save_figure(draw_error_maps((demo.with_lens, demo.without_lens)), folder / "error-maps.png")
+    maps = [demo.with_lens.error_map, demo.without_lens.error_map]
+    save_figure(draw_error_maps(maps), folder / "error-maps.png")
     cases = {"with_lens": demo.with_lens, "without_lens": demo.without_lens}
     write_json(folder / "demo.json", {"fedic": __version__, **{name: _summary(case) for name, case in cases.items()}})
 

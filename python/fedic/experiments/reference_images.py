@@ -11,23 +11,19 @@ from numpy.typing import NDArray
 
 from fedic._core import ImageFrame, Mesh
 from fedic._internal.types import CellName, Image
+from fedic.demo.scene import LEVELS, SPECKLE
 from fedic.errors import ImageError
 from fedic.experiments.outcome import Request
 from fedic.meshing import unstructured_mesh
 from fedic.synthetic import Speckle, fourier_shift, render
 
-__all__ = ["LEVELS", "SIZES", "SPECKLE", "Subject", "pixel_mesh", "subjects", "window_mesh"]
+__all__ = ["SIZES", "ReferenceImage", "Window", "pixel_mesh", "reference_images", "window_mesh"]
 
 Window: TypeAlias = tuple[float, float, float, float]
 """Left, top, right and bottom of the mesh, in pixels."""
 
 SIZES = (4, 6, 8, 10, 12, 15, 20, 25, 30)
 """Edges of the elements, in pixels, of Fig. 7 and 14."""
-
-SPECKLE = 5.5
-"""Of synthetic images, in pixels."""
-LEVELS = (0.04, 0.96)
-"""With this size: a standard deviation of 57 grey levels and a gradient of 24 per pixel along each axis."""
 
 _WIDTH, _HEIGHT = 220.4, 320.6
 """Of the mesh, in pixels: no whole number, as its corners."""
@@ -39,7 +35,7 @@ _PATCH = 21
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class ReferenceImage:
     """A reference image and where the mesh lies in it.
 
     Attributes
@@ -89,7 +85,7 @@ class Subject:
         return np.ascontiguousarray(image[rows, columns])
 
 
-def subjects(request: Request) -> list[Subject]:
+def reference_images(request: Request) -> list[ReferenceImage]:
     """Return the synthetic image and, where one is given, the real one.
 
     Parameters
@@ -99,7 +95,7 @@ def subjects(request: Request) -> list[Subject]:
 
     Returns
     -------
-    list of Subject
+    list of ReferenceImage
         The synthetic one first.
     """
     found = [_synthetic()]
@@ -150,14 +146,14 @@ def pixel_mesh(corners: Sequence[tuple[float, float]], size: float, cell: CellNa
     return unstructured_mesh(corners, size=size, cell=cell)
 
 
-def _synthetic() -> Subject:
+def _synthetic() -> ReferenceImage:
     shape = (round(_HEIGHT) + 4 * _MARGIN, round(_WIDTH) + 4 * _MARGIN)
     texture = Speckle(SPECKLE, seed=0)
     image = render(texture, ImageFrame(), shape, levels=LEVELS)
-    return Subject("synthetic", image, 2 * _MARGIN, 2 * _MARGIN)
+    return ReferenceImage("synthetic", image, 2 * _MARGIN, 2 * _MARGIN)
 
 
-def _real(image: Image) -> Subject:
+def _real(image: Image) -> ReferenceImage:
     """Lay the window where the poorest texture in it is the best."""
     height, width = image.shape
     need_u, need_v = round(_WIDTH) + 2 * _MARGIN, round(_HEIGHT) + 2 * _MARGIN
@@ -173,4 +169,4 @@ def _real(image: Image) -> Subject:
     poorest = cv2.erode(texture, window, anchor=(0, 0))
     inside = poorest[_MARGIN : height - round(_HEIGHT) - _MARGIN + 1, _MARGIN : width - round(_WIDTH) - _MARGIN + 1]
     row, column = np.unravel_index(int(np.argmax(inside)), inside.shape)
-    return Subject("real", image, _MARGIN + int(column), _MARGIN + int(row))
+    return ReferenceImage("real", image, _MARGIN + int(column), _MARGIN + int(row))

@@ -6,11 +6,11 @@ from typing import Any
 
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
-__all__ = ["DEFAULT", "LEGEND", "PAPER", "PAPER_SPLINES", "UNFILTERED", "Setting"]
+__all__ = ["DEFAULT", "LEGEND", "PAPER", "PAPER_SPLINES", "UNFILTERED", "OptionSet"]
 
 
 @dataclass(frozen=True)
-class Setting:
+class OptionSet:
     """A way of measuring.
 
     Attributes
@@ -43,21 +43,21 @@ class Setting:
         return self.mesh if kind == "mesh" else PixelQuadrature()
 
 
-PAPER = Setting(
+PAPER = OptionSet(
     "paper",
     {"interpolation": "bicubic", "gradient": "finite-difference", "smoothing": 0.0},
     MeshQuadrature(rule="diameter"),
 )
 """The paper's own: bicubic interpolation, finite-difference gradients, diameter rule."""
-PAPER_SPLINES = Setting(
+PAPER_SPLINES = OptionSet(
     "paper, bspline3",
     {"interpolation": "bspline3", "gradient": "finite-difference", "smoothing": 0.0},
     MeshQuadrature(rule="diameter"),
 )
 """The same with cubic B-splines."""
-UNFILTERED = Setting("unfiltered", {"smoothing": 0.0}, MeshQuadrature())
+UNFILTERED = OptionSet("unfiltered", {"smoothing": 0.0}, MeshQuadrature())
 """The default of fedic without its smoothing: the least noise."""
-DEFAULT = Setting("default", {}, MeshQuadrature())
+DEFAULT = OptionSet("default", {}, MeshQuadrature())
 """What `fedic.correlate` does when told nothing."""
 LEGEND = (
     "*paper*: bicubic interpolation, finite-difference gradients, diameter rule; *paper, bspline3*: the same with "
