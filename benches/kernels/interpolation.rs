@@ -29,10 +29,10 @@ fn interpolation(c: &mut Criterion) {
 
     let mut group = c.benchmark_group("interpolation");
     group.throughput(Throughput::Elements(count as u64));
-    for kind in Interpolation::ALL {
-        let interpolator = Interpolator::new(picture.view(), kind);
-        group.bench_function(format!("values/{kind}"), |b| b.iter(|| interpolator.values(&u, &v, &mut value)));
-        group.bench_function(format!("values_near/{kind}"), |b| {
+    for interpolation in Interpolation::ALL {
+        let interpolator = Interpolator::new(picture.view(), interpolation);
+        group.bench_function(format!("values/{interpolation}"), |b| b.iter(|| interpolator.values(&u, &v, &mut value)));
+        group.bench_function(format!("values_near/{interpolation}"), |b| {
             b.iter(|| {
                 for (index, value) in value.chunks_mut(CELL).enumerate() {
                     let points = index * CELL..index * CELL + value.len();
@@ -40,7 +40,7 @@ fn interpolation(c: &mut Criterion) {
                 }
             });
         });
-        group.bench_function(format!("values_and_gradients_near/{kind}"), |b| {
+        group.bench_function(format!("values_and_gradients_near/{interpolation}"), |b| {
             b.iter(|| interpolator.values_and_gradients_near(PIXEL, &near_u, &near_v, &mut value, &mut du, &mut dv));
         });
     }

@@ -12,9 +12,9 @@ fn prefilter(c: &mut Criterion) {
     group.throughput(Throughput::Elements(picture.len()));
     for threads in [1, 2] {
         let pool = pool(threads);
-        for kind in [Interpolation::Bspline3, Interpolation::Bspline5] {
-            group.bench_function(format!("{kind}/{threads}"), |b| {
-                pool.install(|| b.iter(|| Interpolator::new(picture.view(), kind)));
+        for interpolation in [Interpolation::Bspline3, Interpolation::Bspline5] {
+            group.bench_function(format!("{interpolation}/{threads}"), |b| {
+                pool.install(|| b.iter(|| Interpolator::new(picture.view(), interpolation)));
             });
         }
         group.bench_function(format!("gaussian/{threads}"), |b| {

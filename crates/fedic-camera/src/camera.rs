@@ -1,7 +1,5 @@
 //! The one interface of every camera.
 
-use fedic_memory::copy;
-
 /// Precisions in pixels: far below what images tell. To follow the pieces of a spline more closely is not worth the time.
 const SMOOTH: f64 = 1e-6;
 const IN_PIECES: f64 = 1e-4;
@@ -93,7 +91,7 @@ pub(crate) fn project_each_with_jacobian(
         let block = start..n.min(start + LANES);
         let mut point = [[0.0; LANES]; 3];
         for (lane, c) in point.iter_mut().zip([x, y, z]) {
-            copy::<LANES, _>(&mut lane[..block.len()], &c[block.clone()]);
+            copy_block(&mut lane[..block.len()], &c[block.clone()]);
         }
         let mut pixel = [[0.0; LANES]; 2];
         let mut rows = [[[0.0; LANES]; 3]; 2];
@@ -106,10 +104,19 @@ pub(crate) fn project_each_with_jacobian(
                 }
             }
         }
-        copy::<LANES, _>(&mut u[block.clone()], &pixel[0]);
-        copy::<LANES, _>(&mut v[block.clone()], &pixel[1]);
+        copy_block(&mut u[block.clone()], &pixel[0]);
+        copy_block(&mut v[block.clone()], &pixel[1]);
         for (entry, lane) in jacobian.iter_mut().flatten().zip(rows.as_flattened()) {
-            copy::<LANES, _>(&mut entry[block.clone()], lane);
+            copy_block(&mut entry[block.clone()], lane);
         }
+    }
+}
+
+/// Copies the first `to.len()` numbers, at most [`LANES`]; a full block without a call to `memcpy`.
+#[inline(always)]
+fn copy_block(to: &mut [f64], from: &[f64]) {
+    match (<&mut [f64; LANES]>::try_from(&mut *to), from.first_chunk()) {
+        (Ok(to), Some(from)) => *to = *from,
+        _ => to.copy_from_slice(&from[..to.len()]),
     }
 }

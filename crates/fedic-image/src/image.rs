@@ -1,11 +1,13 @@
-//! An owned image, what the filters return.
+//! Owned images.
 
 use std::fmt;
+
+use rayon::prelude::*;
 
 use crate::error::ImageError;
 use crate::view::{ImageView, Pixels};
 
-/// An image of `f32` grey levels that owns them; same guarantees as [`ImageView`].
+/// An owned image of `f32` grey levels, with the guarantees of [`ImageView`].
 ///
 /// # Examples
 ///
@@ -24,18 +26,18 @@ pub struct Image {
 }
 
 impl Image {
-    /// Takes `data` as an image of `width` columns and `height` rows; pixel `(u, v)` is at index `v * width + u`.
+    /// Makes `data` an image of `width` columns and `height` rows; pixel `(u, v)` is at index `v * width + u`.
     ///
     /// # Errors
     ///
     /// Those of [`ImageView::new`].
     pub fn new(width: usize, height: usize, data: Vec<f32>) -> Result<Self, ImageError> {
         ImageView::new(width, height, Pixels::F32(&data))?;
-        Ok(Self::of_checked(width, height, data))
+        Ok(Self::new_unchecked(width, height, data))
     }
 
-    /// An image of grey levels already known to satisfy what [`Image::new`] checks.
-    pub(crate) fn of_checked(width: usize, height: usize, data: Vec<f32>) -> Self {
+    /// An image of grey levels that are known to satisfy the conditions of [`Image::new`].
+    pub(crate) fn new_unchecked(width: usize, height: usize, data: Vec<f32>) -> Self {
         Self { width, height, data }
     }
 
@@ -57,16 +59,26 @@ impl Image {
         &self.data
     }
 
-    /// The grey levels, given away.
+    /// The grey levels as an owned vector.
     #[must_use]
     pub fn into_pixels(self) -> Vec<f32> {
         self.data
     }
 
-    /// The same image, borrowed.
+    /// A borrowed view of the image.
     #[must_use]
     pub fn view(&self) -> ImageView<'_> {
-        ImageView::of_checked(self.width, self.height, &self.data)
+        ImageView::new_unchecked(self.width, self.height, &self.data)
+    }
+}
+
+impl ImageView<'_> {
+    /// An owned copy in `f32`.
+    #[must_use]
+    pub fn to_image(&self) -> Image {
+        let mut data = vec![0.0; self.width() * self.height()];
+        data.par_chunks_mut(self.width()).enumerate().for_each(|(v, row)| self.read_row(v, row));
+        Image::new_unchecked(self.width(), self.height(), data)
     }
 }
 

@@ -1,7 +1,7 @@
-//! Borrowed grey levels in the type they were stored in.
+//! Borrowed images in their stored type.
 //!
-//! Cameras give 8 or 16 bits per pixel. Reading them through a view avoids a copy four times larger than the picture before
-//! any work is done: each consumer converts one row, or less, at a time.
+//! Cameras deliver 8 or 16 bits per pixel. A view avoids a converted copy, up to four times larger: each consumer converts
+//! one row, or less, at a time.
 
 use std::fmt;
 
@@ -9,15 +9,14 @@ use fedic_memory::prefetch;
 use rayon::prelude::*;
 
 use crate::error::ImageError;
-use crate::image::Image;
 
-/// Smallest width and height of an image, in pixels: what the mirror padding of the interpolation needs.
+/// Smallest width and height of an image, in pixels, as the mirrored margin of the interpolation needs.
 pub const MIN_SIZE: usize = 4;
 
-/// Most pixels of an image: those of one are numbered by 32 bits, its margins included.
+/// Largest number of pixels of an image: with its margins, they are indexed by 32 bits.
 pub const MAX_PIXELS: usize = 1 << 30;
 
-/// Grey levels per task when a whole image is searched for values that are not finite.
+/// Grey levels per task in the search for values that are not finite.
 const CHECK_CHUNK: usize = 1 << 16;
 
 /// Stored grey levels, row after row.
@@ -28,7 +27,7 @@ pub enum Pixels<'a> {
     U8(&'a [u8]),
     /// 16 bits per pixel.
     U16(&'a [u16]),
-    /// Real grey levels, all finite.
+    /// 32-bit floating point, all values finite.
     F32(&'a [f32]),
 }
 
@@ -64,12 +63,13 @@ pub struct ImageView<'a> {
 }
 
 impl<'a> ImageView<'a> {
-    /// Looks at `pixels` as an image of `width` columns and `height` rows; pixel `(u, v)` is at index `v * width + u`.
+    /// Views `pixels` as an image of `width` columns and `height` rows; pixel `(u, v)` is at index `v * width + u`.
     ///
     /// # Errors
     ///
-    /// [`ImageError::Empty`], [`ImageError::TooSmall`] and [`ImageError::TooLarge`] for the sizes, [`ImageError::LengthMismatch`] if `pixels` does not
-    /// hold `width * height` grey levels, [`ImageError::NonFinite`] for the first infinite value or NaN.
+    /// [`ImageError::Empty`], [`ImageError::TooSmall`] or [`ImageError::TooLarge`] for the sizes,
+    /// [`ImageError::LengthMismatch`] if `pixels` does not hold `width * height` grey levels, [`ImageError::NonFinite`] for
+    /// the first infinite value or NaN.
     pub fn new(width: usize, height: usize, pixels: Pixels<'a>) -> Result<Self, ImageError> {
         if width == 0 || height == 0 {
             return Err(ImageError::Empty { width, height });
@@ -79,10 +79,10 @@ impl<'a> ImageView<'a> {
             return Err(ImageError::LengthMismatch { width, height, expected, found });
         }
         if width < MIN_SIZE || height < MIN_SIZE {
-            return Err(ImageError::TooSmall { width, height });
+            return Err(ImageError::TooSmall { width, height, minimum: MIN_SIZE });
         }
         if expected > MAX_PIXELS {
-            return Err(ImageError::TooLarge { width, height });
+            return Err(ImageError::TooLarge { width, height, maximum: MAX_PIXELS });
         }
         if let Pixels::F32(data) = pixels
             && let Some(index) = first_non_finite(data)
@@ -92,8 +92,8 @@ impl<'a> ImageView<'a> {
         Ok(Self { width, height, pixels })
     }
 
-    /// A view of grey levels already known to satisfy what [`ImageView::new`] checks.
-    pub(crate) fn of_checked(width: usize, height: usize, data: &'a [f32]) -> Self {
+    /// A view of grey levels that are known to satisfy the conditions of [`ImageView::new`].
+    pub(crate) fn new_unchecked(width: usize, height: usize, data: &'a [f32]) -> Self {
         Self { width, height, pixels: Pixels::F32(data) }
     }
 
@@ -115,7 +115,7 @@ impl<'a> ImageView<'a> {
     ///
     /// If the image has no row `v`, or if `out` has another length.
     pub fn read_row(&self, v: usize, out: &mut [f32]) {
-        assert_eq!(out.len(), self.width, "a row is read into a slice of the image's width");
+        assert_eq!(out.len(), self.width, "the output must have one element per column");
         self.read_segment(v, 0, out);
     }
 
@@ -131,7 +131,7 @@ impl<'a> ImageView<'a> {
         }
     }
 
-    /// Asks the memory for the pixel `(u, v)` and its neighbours.
+    /// Prefetches the cache line of the pixel `(u, v)`.
     #[inline]
     pub(crate) fn prefetch(&self, v: usize, u: usize) {
         let index = v * self.width + u;
@@ -142,7 +142,7 @@ impl<'a> ImageView<'a> {
         }
     }
 
-    /// Mean and standard deviation (of the population) of the grey levels.
+    /// Mean and population standard deviation of the grey levels.
     #[must_use]
     pub fn statistics(&self) -> (f64, f64) {
         let rows: Vec<(f64, f64)> = (0..self.height)
@@ -160,14 +160,6 @@ impl<'a> ImageView<'a> {
         let variance =
             rows.iter().map(|(row_mean, variance)| variance + (row_mean - mean).powi(2)).sum::<f64>() / count;
         (mean, variance.sqrt())
-    }
-
-    /// An owned copy in `f32`.
-    #[must_use]
-    pub fn to_image(&self) -> Image {
-        let mut data = vec![0.0; self.width * self.height];
-        data.par_chunks_mut(self.width).enumerate().for_each(|(v, row)| self.read_row(v, row));
-        Image::of_checked(self.width, self.height, data)
     }
 }
 
@@ -201,7 +193,7 @@ fn mean_and_variance(row: &[f32]) -> (f64, f64) {
     (mean, sum(row, |grey| (grey - mean).powi(2)) / count)
 }
 
-/// The sum of `term` over `row`, in eight interleaved partial sums that the processor can add side by side.
+/// The sum of `term` over `row`, in eight interleaved partial sums that vectorise.
 fn sum(row: &[f32], term: impl Fn(f64) -> f64) -> f64 {
     let (blocks, rest) = row.as_chunks::<8>();
     let mut partial = [0.0; 8];
@@ -218,7 +210,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn first_non_finite_value_is_found_across_chunks() {
+    fn the_first_non_finite_value_is_found_across_chunks() {
         let mut data = vec![1.0; 3 * CHECK_CHUNK];
         assert_eq!(first_non_finite(&data), None);
         data[2 * CHECK_CHUNK + 7] = f32::INFINITY;

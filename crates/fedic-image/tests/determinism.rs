@@ -1,4 +1,4 @@
-//! The number of threads leaves no trace in any result.
+//! Results are independent of the number of threads.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,8 +8,8 @@ use common::noise;
 use fedic_image::{Interpolation, Interpolator, central_differences, downsample, gaussian_filter};
 use rayon::ThreadPoolBuilder;
 
-/// Bits of everything this crate computes in parallel, for an image of several bands.
-fn everything() -> Vec<u64> {
+/// Bits of every result that this crate computes in parallel, for an image of several bands.
+fn all_results() -> Vec<u64> {
     let image = noise(157, 401);
     let view = image.view();
     let (mean, deviation) = view.statistics();
@@ -21,18 +21,18 @@ fn everything() -> Vec<u64> {
     let u: Vec<f64> = (0..157 * 401).map(|index| (index % 157) as f64 + 0.3).collect();
     let v: Vec<f64> = (0..157 * 401).map(|index| (index / 157) as f64 - 0.4).collect();
     let mut values = vec![0.0; u.len()];
-    for kind in Interpolation::ALL {
-        Interpolator::new(view, kind).values(&u, &v, &mut values);
+    for interpolation in Interpolation::ALL {
+        Interpolator::new(view, interpolation).values(&u, &v, &mut values);
         bits.extend(values.iter().map(|level| u64::from(level.to_bits())));
     }
     bits
 }
 
 #[test]
-fn same_bits_with_any_number_of_threads() {
-    let on = |threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(everything);
-    let alone = on(1);
+fn results_have_the_same_bits_for_any_number_of_threads() {
+    let on = |threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(all_results);
+    let expected = on(1);
     for threads in [2, 3, 4] {
-        assert!(on(threads) == alone, "{threads} threads give other bits than one");
+        assert!(on(threads) == expected, "{threads} threads");
     }
 }

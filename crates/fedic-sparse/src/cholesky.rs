@@ -6,7 +6,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use fedic_memory::Row;
+use fedic_memory::AlignedBuffer;
 
 use crate::dissection::nested_dissection;
 use crate::elimination::{Elimination, Update};
@@ -150,7 +150,7 @@ impl Cholesky {
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
         let too_large = |_| SparseError::TooLarge { dofs: symbolic.order.len() * symbolic.block };
         Vec::<T>::new().try_reserve_exact(total).map_err(too_large)?;
-        let mut values = Row::zeros(total);
+        let mut values = AlignedBuffer::zeros(total);
         let mut rest = &mut *values;
         let take = |&size: &usize| {
             let own;
@@ -179,7 +179,7 @@ impl Cholesky {
 /// What an elimination makes.
 struct Eliminated<T> {
     /// The supernodes of the factor, one after the other.
-    values: Row<T>,
+    values: AlignedBuffer<T>,
     /// The pivots of all their columns.
     pivots: Vec<f64>,
 }

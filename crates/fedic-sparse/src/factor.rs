@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use fedic_memory::Row;
+use fedic_memory::AlignedBuffer;
 
 use crate::cholesky::Plan;
 use crate::panel::{Panel, Stored, num_stored};
@@ -19,8 +19,8 @@ pub struct Factor {
 /// The supernodes, one after the other.
 #[derive(Debug, Clone)]
 pub(crate) enum Values {
-    Double(Row<f64>),
-    Single(Row<f32>),
+    Double(AlignedBuffer<f64>),
+    Single(AlignedBuffer<f32>),
 }
 
 impl Factor {

@@ -63,7 +63,7 @@ fn options_at_the_ends_of_their_range_are_accepted() {
 #[test]
 fn a_smoothing_wider_than_the_image_is_refused() {
     let error = prepare(Options { smoothing: 31.0, ..Options::default() }).unwrap_err();
-    assert_eq!(error, Error::Image(ImageError::InvalidSigma { sigma: 31.0, largest: 30 }));
+    assert_eq!(error, Error::Image(ImageError::InvalidSmoothing { smoothing: 31.0, largest: 30 }));
 }
 
 #[test]

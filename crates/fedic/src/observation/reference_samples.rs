@@ -1,6 +1,6 @@
 //! What is kept of the reference image at the quadrature points, cell by cell.
 
-use fedic_memory::{Row, prefetch};
+use fedic_memory::{AlignedBuffer, prefetch};
 
 use crate::kernels::simd::largest;
 use crate::observation::quantized_gradient::{MOST_STEPS, Steps, StepsMut};
@@ -14,14 +14,14 @@ const MOST_ASKED: usize = 1024;
 /// lie together over all cells, so that memory is read straight on.
 #[derive(Debug, Clone)]
 pub(crate) struct Points {
-    value: Row<f32>,
+    value: AlignedBuffer<f32>,
     /// In whole steps: gradients only weigh residuals.
-    coarse: [Row<i16>; 2],
-    fine: Row<u8>,
+    coarse: [AlignedBuffer<i16>; 2],
+    fine: AlignedBuffer<u8>,
     /// The step of each cell, of which its largest gradient makes [`MOST_STEPS`].
     steps: Vec<f32>,
     /// Of the cells whose weights vary.
-    weights: Row<f32>,
+    weights: AlignedBuffer<f32>,
     cells: Vec<CellEntry>,
 }
 
@@ -71,9 +71,9 @@ impl Points {
         // Only a zeroed allocation leaves its pages to the threads that fill them; it is made once known to fit.
         let point = size_of::<f32>() + 2 * size_of::<i16>() + size_of::<u8>();
         Vec::<u8>::new().try_reserve_exact(point * first + size_of::<f32>() * first_weight).ok()?;
-        let [value, weights] = [first, first_weight].map(Row::zeros);
-        let coarse = [Row::zeros(first), Row::zeros(first)];
-        Some(Self { value, coarse, fine: Row::zeros(first), steps: vec![0.0; cells.len()], weights, cells })
+        let [value, weights] = [first, first_weight].map(AlignedBuffer::zeros);
+        let coarse = [AlignedBuffer::zeros(first), AlignedBuffer::zeros(first)];
+        Some(Self { value, coarse, fine: AlignedBuffer::zeros(first), steps: vec![0.0; cells.len()], weights, cells })
     }
 
     /// The numbers of every cell, and what multiplies its weights.

@@ -1,6 +1,6 @@
 //! What one thread works with.
 
-use fedic_memory::Row;
+use fedic_memory::AlignedBuffer;
 use fedic_mesh::CellType;
 
 use crate::COMPONENTS;
@@ -15,14 +15,14 @@ pub(crate) struct Work {
     pub(crate) batch: Box<Batch>,
     pub(crate) own_table: OwnTable,
     /// Pixel coordinates of the points of a part, from the origin of the cell's expansion.
-    pub(crate) pixel: [Row<f32>; 2],
+    pub(crate) pixel: [AlignedBuffer<f32>; 2],
     /// Of all points of a cell: grey levels, gradients, gradients pulled back, weights.
-    pub(crate) grey: Row<f32>,
-    pub(crate) gradient: [Row<f32>; 2],
-    pub(crate) q: [Row<f32>; COMPONENTS],
-    pub(crate) weights: Row<f32>,
+    pub(crate) grey: AlignedBuffer<f32>,
+    pub(crate) gradient: [AlignedBuffer<f32>; 2],
+    pub(crate) q: [AlignedBuffer<f32>; COMPONENTS],
+    pub(crate) weights: AlignedBuffer<f32>,
     /// Of the points of a part: residuals times weights.
-    pub(crate) weighted: Row<f32>,
+    pub(crate) weighted: AlignedBuffer<f32>,
 }
 
 /// The table of a cell that shares none, part by part.
@@ -37,12 +37,12 @@ impl Work {
             cells: CellsInTurn::default(),
             batch: Batch::new(),
             own_table: OwnTable { coordinates: [vec![0.0; PART], vec![0.0; PART]], table: PointTable::default() },
-            pixel: [Row::zeros(PART), Row::zeros(PART)],
-            grey: Row::default(),
+            pixel: [AlignedBuffer::zeros(PART), AlignedBuffer::zeros(PART)],
+            grey: AlignedBuffer::default(),
             gradient: Default::default(),
             q: Default::default(),
-            weights: Row::default(),
-            weighted: Row::zeros(PART),
+            weights: AlignedBuffer::default(),
+            weighted: AlignedBuffer::zeros(PART),
         }
     }
 
@@ -50,7 +50,7 @@ impl Work {
     pub(crate) fn resize(&mut self, count: usize) {
         let padded = count.next_multiple_of(PADDING);
         for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
-            row.make_room(padded);
+            row.resize_for_overwrite(padded);
             row[count..].fill(0.0);
         }
     }

@@ -1,6 +1,6 @@
 //! What the points of a cell know of its reference domain: their shape functions and monomials, in single precision.
 
-use fedic_memory::Row;
+use fedic_memory::AlignedBuffer;
 use fedic_mesh::{CellType, MAX_NODES, Subdivision, shape_values_batch};
 
 use crate::projection::polynomial_basis::{MONOMIALS, monomials};
@@ -19,7 +19,7 @@ const MIN_SHARING: usize = 8;
 pub(crate) struct PointTable {
     num_nodes: usize,
     padded: usize,
-    rows: Row<f32>,
+    rows: AlignedBuffer<f32>,
 }
 
 /// Some points of a table.
@@ -36,7 +36,7 @@ impl PointTable {
         let (len, num_nodes) = (xi.len(), cell_type.num_nodes());
         let padded = len.next_multiple_of(PADDING);
         (self.num_nodes, self.padded) = (num_nodes, padded);
-        self.rows.make_room((num_nodes + MONOMIALS + 1) * padded);
+        self.rows.resize_for_overwrite((num_nodes + MONOMIALS + 1) * padded);
         self.rows.fill(0.0);
         let mut shape = [0.0; MAX_NODES * PADDING];
         for start in (0..len).step_by(PADDING) {

@@ -1,9 +1,9 @@
-//! Derivatives of an image at its pixels.
+//! Central differences.
 
 use rayon::prelude::*;
 
+use crate::filter::mirror::mirror;
 use crate::image::Image;
-use crate::mirror::mirror;
 use crate::view::ImageView;
 
 /// Central differences along the columns `u` and along the rows `v`, in grey levels per pixel: `(f[i + 1] - f[i - 1]) / 2`.
@@ -18,7 +18,7 @@ use crate::view::ImageView;
 /// let ramp: Vec<f32> = (0..20).map(|index| (index % 5) as f32).collect();
 /// let (du, dv) = central_differences(Image::new(5, 4, ramp)?.view());
 /// assert_eq!(du.pixels()[..5], [0.0, 1.0, 1.0, 1.0, 0.0]);
-/// assert!(dv.pixels().iter().all(|&slope| slope == 0.0));
+/// assert!(dv.pixels().iter().all(|&derivative| derivative == 0.0));
 /// # Ok::<(), fedic_image::ImageError>(())
 /// ```
 #[must_use]
@@ -29,15 +29,15 @@ pub fn central_differences(view: ImageView<'_>) -> (Image, Image) {
         || vec![0.0; width],
         |source, (v, (du, dv))| {
             view.read_row(v, source);
-            for (slope, around) in du[1..].iter_mut().zip(source.windows(3)) {
-                *slope = 0.5 * (around[2] - around[0]);
+            for (derivative, neighbours) in du[1..].iter_mut().zip(source.windows(3)) {
+                *derivative = 0.5 * (neighbours[2] - neighbours[0]);
             }
             view.read_row(mirror(v as isize - 1, height), source);
             view.read_row(mirror(v as isize + 1, height), dv);
-            for (slope, &above) in dv.iter_mut().zip(&*source) {
-                *slope = 0.5 * (*slope - above);
+            for (derivative, &above) in dv.iter_mut().zip(&*source) {
+                *derivative = 0.5 * (*derivative - above);
             }
         },
     );
-    (Image::of_checked(width, height, du), Image::of_checked(width, height, dv))
+    (Image::new_unchecked(width, height, du), Image::new_unchecked(width, height, dv))
 }

@@ -1,29 +1,31 @@
-//! The weighted sums over the stencils of a block of points: the innermost loop of the library.
+//! Weighted sums over the stencils of a block of points: the innermost loop of the library.
 //!
-//! Rows of a stencil are contiguous in memory, so they are combined first, each as a whole, and the columns left of several
-//! points are then turned into one lane per column. [`pulp::Scalar`] says it plainly; the version for AVX2 must agree with it.
+//! Rows of a stencil are contiguous in memory, so they are combined first, as vectors; the resulting columns of several
+//! points are then transposed into one lane per column. The implementation for [`pulp::Scalar`] is the reference of that
+//! for AVX2.
 
-use crate::lanes::{BLOCK, Fusing, Lane, fused};
+use crate::simd::lanes::{BLOCK, Fusing, Lane, fused};
 
-/// The weights of a block along one direction: one lane per tap.
+/// Weights of a block of points along one direction: one lane per tap.
 pub(crate) type Weights<const TAPS: usize> = [Lane; TAPS];
 
-/// Coefficients, and where the stencils of a block begin.
+/// Coefficients, and the stencils of a block of points.
 #[derive(Clone, Copy)]
 pub(crate) struct Stencils<'a> {
     pub(crate) data: &'a [f32],
     pub(crate) stride: u32,
+    /// Index of the first coefficient of each stencil.
     pub(crate) first: &'a [u32; BLOCK],
 }
 
 impl<'a> Stencils<'a> {
-    /// The coefficients from the first of the stencil of point `k` to `width` of its last row, of which there are `TAPS`. A look
-    /// at the bounds of all of them spares those of each row, and costs little where nothing can overflow.
+    /// The coefficients from the first one of the stencil of point `k` to element `width` of its last row, of `TAPS` rows.
+    /// One bounds check for the stencil replaces those of its rows.
     #[inline(always)]
     fn window<const TAPS: usize>(self, k: usize, width: usize) -> &'a [f32] {
         let first = self.first[k] as usize;
         let mut end = first + width;
-        // By additions, in which the compiler sees that no row lies beyond.
+        // Repeated addition lets the compiler prove that every row lies inside.
         for _ in 1..TAPS {
             end += self.stride as usize;
         }
@@ -31,27 +33,27 @@ impl<'a> Stencils<'a> {
     }
 }
 
-/// A way of summing, for an instruction set.
+/// Weighted sums with an instruction set.
 pub(crate) trait Summation: pulp::Simd + Fusing {
-    /// For each set `s` of row weights, sums the stencils over their rows with `rows[s]`; then, for each pair `(s, columns)`
-    /// of `readings`, over their columns.
-    fn sum<const TAPS: usize, const SETS: usize, const READINGS: usize>(
+    /// Sums the stencils over their rows with each set `rows[s]` of weights, then, for each output `(s, columns)`, over
+    /// their columns.
+    fn sum<const TAPS: usize, const SETS: usize, const OUTPUTS: usize>(
         self,
         stencils: Stencils<'_>,
         rows: [&Weights<TAPS>; SETS],
-        readings: [(usize, &Weights<TAPS>); READINGS],
+        outputs: [(usize, &Weights<TAPS>); OUTPUTS],
         out: &mut [Lane],
     );
 }
 
-/// Plain loops, for any processor.
+/// Portable loops.
 impl Summation for pulp::Scalar {
     #[inline(always)]
-    fn sum<const TAPS: usize, const SETS: usize, const READINGS: usize>(
+    fn sum<const TAPS: usize, const SETS: usize, const OUTPUTS: usize>(
         self,
         stencils: Stencils<'_>,
         rows: [&Weights<TAPS>; SETS],
-        readings: [(usize, &Weights<TAPS>); READINGS],
+        outputs: [(usize, &Weights<TAPS>); OUTPUTS],
         out: &mut [Lane],
     ) {
         for k in 0..BLOCK {
@@ -65,7 +67,7 @@ impl Summation for pulp::Scalar {
                     }
                 }
             }
-            for (out, (set, columns)) in out.iter_mut().zip(readings) {
+            for (out, (set, columns)) in out.iter_mut().zip(outputs) {
                 out[k] = 0.0;
                 for column in 0..TAPS {
                     out[k] = fused::<Self>(lines[set][column], columns[column][k], out[k]);
@@ -77,38 +79,40 @@ impl Summation for pulp::Scalar {
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx2 {
-    //! Eight points at a time: rows combined in registers of four or eight coefficients, columns by transposition.
+    //! Eight points at a time: rows are combined in registers of four or eight coefficients, then transposed.
 
     use std::arch::x86_64::{__m128, __m256};
 
     use pulp::x86::V3;
 
     use super::{Lane, Stencils, Summation, Weights};
-    use crate::lanes::BLOCK;
+    use crate::interpolation::coefficients::ROW_READ;
+    use crate::simd::lanes::BLOCK;
 
-    /// Points whose stencils are transposed together.
+    /// Points transposed together.
     const POINTS: usize = 8;
-    /// Most columns of a stencil.
+    /// Largest number of columns of a stencil.
     const COLUMNS: usize = 6;
 
     impl Summation for V3 {
         #[inline(always)]
-        fn sum<const TAPS: usize, const SETS: usize, const READINGS: usize>(
+        fn sum<const TAPS: usize, const SETS: usize, const OUTPUTS: usize>(
             self,
             stencils: Stencils<'_>,
             rows: [&Weights<TAPS>; SETS],
-            readings: [(usize, &Weights<TAPS>); READINGS],
+            outputs: [(usize, &Weights<TAPS>); OUTPUTS],
             out: &mut [Lane],
         ) {
+            const { assert!(TAPS <= COLUMNS, "a stencil is at most six coefficients wide") }
             for k in (0..BLOCK).step_by(POINTS) {
                 let columns = if TAPS <= 4 {
                     narrow_columns(self, stencils, rows, k)
                 } else {
                     wide_columns(self, stencils, rows, k)
                 };
-                for reading in 0..READINGS {
-                    let (set, weights) = readings[reading];
-                    // Two sums side by side: half as long to wait for.
+                for output in 0..OUTPUTS {
+                    let (set, weights) = outputs[output];
+                    // Two partial sums halve the latency.
                     let mut sums = [self.avx._mm256_setzero_ps(); 2];
                     for column in 0..TAPS {
                         let sum = &mut sums[column % 2];
@@ -116,13 +120,13 @@ pub(crate) mod avx2 {
                     }
                     let sum = self.avx._mm256_add_ps(sums[0], sums[1]);
                     let sum: [f32; POINTS] = pulp::cast(sum);
-                    out[reading][k..k + POINTS].copy_from_slice(&sum);
+                    out[output][k..k + POINTS].copy_from_slice(&sum);
                 }
             }
         }
     }
 
-    /// The columns, summed over the rows, of eight stencils at most four coefficients wide.
+    /// Columns, summed over the rows, of eight stencils at most four coefficients wide.
     #[inline(always)]
     fn narrow_columns<const TAPS: usize, const SETS: usize>(
         v3: V3,
@@ -133,7 +137,7 @@ pub(crate) mod avx2 {
         let zero = v3.avx._mm256_setzero_ps();
         let mut lines = [[zero; 4]; SETS];
         for i in 0..4 {
-            // Points `k + i` and `k + i + 4` in two halves.
+            // Point `k + i` in the low half of the registers, `k + i + 4` in the high half.
             let [low, high] = [k + i, k + i + 4].map(|k| stencils.window::<TAPS>(k, 4));
             let mut start = 0;
             for row in 0..TAPS {
@@ -160,7 +164,8 @@ pub(crate) mod avx2 {
         columns
     }
 
-    /// The same of stencils wider than four, whose rows are read eight coefficients at a time.
+    /// Columns, summed over the rows, of eight stencils five or six coefficients wide, whose rows are read eight
+    /// coefficients at a time.
     #[inline(always)]
     fn wide_columns<const TAPS: usize, const SETS: usize>(
         v3: V3,
@@ -196,7 +201,7 @@ pub(crate) mod avx2 {
         rows: [&Weights<TAPS>; SETS],
         k: usize,
     ) -> [__m256; SETS] {
-        let window = stencils.window::<TAPS>(k, 8);
+        let window = stencils.window::<TAPS>(k, ROW_READ);
         let mut line = [v3.avx._mm256_setzero_ps(); SETS];
         let mut start = 0;
         for row in 0..TAPS {
@@ -209,7 +214,7 @@ pub(crate) mod avx2 {
         line
     }
 
-    /// Four by four, in both halves.
+    /// Transposes 4 x 4 matrices in both halves of the registers.
     #[inline(always)]
     fn transpose(v3: V3, lines: [__m256; 4]) -> [__m256; 4] {
         let low = [v3.avx._mm256_unpacklo_ps(lines[0], lines[1]), v3.avx._mm256_unpacklo_ps(lines[2], lines[3])];
@@ -223,16 +228,16 @@ pub(crate) mod avx2 {
     }
 
     #[inline(always)]
-    fn four(numbers: &[f32]) -> __m128 {
+    fn four(elements: &[f32]) -> __m128 {
         let mut four = [0.0; 4];
-        four.copy_from_slice(&numbers[..4]);
+        four.copy_from_slice(&elements[..4]);
         pulp::cast(four)
     }
 
     #[inline(always)]
-    fn eight(numbers: &[f32], k: usize) -> __m256 {
+    fn eight(elements: &[f32], k: usize) -> __m256 {
         let mut eight = [0.0; 8];
-        eight.copy_from_slice(&numbers[k..k + 8]);
+        eight.copy_from_slice(&elements[k..k + 8]);
         pulp::cast(eight)
     }
 }

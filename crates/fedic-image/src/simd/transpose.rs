@@ -1,16 +1,16 @@
-//! Rows become columns.
+//! Transposition of matrices.
 
-use crate::lanes::Fusing;
+use crate::simd::lanes::Fusing;
 
-/// A way of transposing, for an instruction set.
-pub(crate) trait Transposition: Fusing {
-    /// Writes the numbers of `rows` rows and `columns` columns, whose rows begin every `stride` numbers, as `columns` rows, which
-    /// begin every `to_stride` numbers.
+/// Transposition with an instruction set.
+pub(crate) trait Transpose: Fusing {
+    /// Writes a matrix of `rows` rows and `columns` columns, stored with `stride` elements from row to row, as a matrix of
+    /// `columns` rows with `to_stride` elements from row to row.
     fn transpose(self, size: [usize; 2], from: &[f32], stride: usize, to: &mut [f32], to_stride: usize);
 }
 
-/// Plain loops, for any processor.
-impl Transposition for pulp::Scalar {
+/// Portable loops.
+impl Transpose for pulp::Scalar {
     #[inline(always)]
     fn transpose(self, [rows, columns]: [usize; 2], from: &[f32], stride: usize, to: &mut [f32], to_stride: usize) {
         for row in 0..rows {
@@ -27,12 +27,12 @@ mod avx2 {
 
     use pulp::x86::V3;
 
-    use super::Transposition;
+    use super::Transpose;
 
     /// Rows and columns transposed within registers.
     const TILE: usize = 8;
 
-    impl Transposition for V3 {
+    impl Transpose for V3 {
         #[inline(always)]
         fn transpose(self, [rows, columns]: [usize; 2], from: &[f32], stride: usize, to: &mut [f32], to_stride: usize) {
             for row in (0..rows).step_by(TILE) {
@@ -49,15 +49,15 @@ mod avx2 {
                     }
                     let tile = transpose_tile(self, tile);
                     for i in 0..TILE {
-                        let numbers: [f32; TILE] = pulp::cast(tile[i]);
-                        to[i * to_stride..][..TILE].copy_from_slice(&numbers);
+                        let elements: [f32; TILE] = pulp::cast(tile[i]);
+                        to[i * to_stride..][..TILE].copy_from_slice(&elements);
                     }
                 }
             }
         }
     }
 
-    /// Neighbours, then pairs, then fours change places.
+    /// Exchanges single elements, then pairs, then groups of four.
     #[inline(always)]
     fn transpose_tile(v3: V3, rows: [__m256; TILE]) -> [__m256; TILE] {
         let avx = v3.avx;
@@ -85,25 +85,46 @@ mod avx2 {
         eight.copy_from_slice(&row[..TILE]);
         pulp::cast(eight)
     }
+}
 
-    #[cfg(test)]
-    mod tests {
-        use proptest::prelude::*;
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
 
-        use super::*;
+    use super::*;
 
-        proptest! {
-            #[test]
-            fn tiles_transpose_as_plain_loops_do(rows in 1..40_usize, columns in 1..40_usize, beyond in 0..3_usize) {
-                let Some(v3) = V3::try_new() else { return Ok(()) };
-                let (stride, to_stride) = (columns + beyond, rows + 2 * beyond);
-                let from: Vec<f32> = (0..rows * stride).map(|index| index as f32).collect();
-                let mut found = vec![-1.0; columns * to_stride];
-                let mut expected = found.clone();
-                v3.transpose([rows, columns], &from, stride, &mut found, to_stride);
-                pulp::Scalar.transpose([rows, columns], &from, stride, &mut expected, to_stride);
-                prop_assert_eq!(found, expected);
+    /// Compares a transposition, element by element, with its definition.
+    fn check(simd: impl Transpose, [rows, columns]: [usize; 2], gap: usize) {
+        let (stride, to_stride) = (columns + gap, rows + 2 * gap);
+        let from: Vec<f32> = (0..rows * stride).map(|index| index as f32).collect();
+        let mut found = vec![-1.0; columns * to_stride];
+        simd.transpose([rows, columns], &from, stride, &mut found, to_stride);
+        for (index, &element) in found.iter().enumerate() {
+            let (column, row) = (index / to_stride, index % to_stride);
+            let expected = if row < rows { (row * stride + column) as f32 } else { -1.0 };
+            assert_eq!(element, expected, "row {row}, column {column}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn transposition_moves_every_element(rows in 1..40_usize, columns in 1..40_usize, gap in 0..3_usize) {
+            check(pulp::Scalar, [rows, columns], gap);
+            #[cfg(target_arch = "x86_64")]
+            if let Some(v3) = pulp::x86::V3::try_new() {
+                check(v3, [rows, columns], gap);
             }
+        }
+    }
+
+    /// Reports on which processors [`transposition_moves_every_element`] leaves a version out.
+    #[test]
+    #[cfg_attr(not(target_arch = "x86_64"), ignore = "AVX2 exists on x86-64 only")]
+    fn transposition_with_avx2_is_tested_here() {
+        #[cfg(target_arch = "x86_64")]
+        match pulp::x86::V3::try_new() {
+            Some(v3) => check(v3, [17, 25], 1),
+            None => eprintln!("skipped: this processor has no AVX2"),
         }
     }
 }
