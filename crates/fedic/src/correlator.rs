@@ -1,66 +1,105 @@
-//! The reference image prepared once, and the correlation of each deformed image with it.
+//! The correlator: a reference image prepared once, and the measurement of each deformed image.
 
+use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use fedic_camera::Camera;
-use fedic_image::{ImageError, ImageView, Interpolator, downsample};
+use fedic_image::{Image, ImageError, ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 
-use crate::equations::image_term::Evaluator;
-use crate::equations::unknowns::System;
-use crate::observation::level::{Level, LevelSettings};
-use crate::projection::cell_projection::seen_displacement;
-use crate::results::{covariance, residual_map};
-use crate::solve::gauss_newton::Iterations;
-use crate::solve::pyramid::Pyramid;
-use crate::solve::smooth_start::align;
-use crate::{COMPONENTS, Error, Monitor, Options, Progress, Sampler, Solution, SolveError, Stage};
+use crate::equations::dofs::Dofs;
+use crate::equations::terms::tikhonov::Laplacian;
+use crate::interpolation::image_sampler::ImageSampler;
+use crate::observation::image_source::view_of;
+use crate::observation::observe::ObservationSettings;
+use crate::parallel::thread_pool;
+use crate::projection::projected_points::pixel_displacement;
+use crate::results::covariance;
+use crate::results::residual_map::{ImagePair, residual_map};
+use crate::results::solution::Iteration;
+use crate::solve::basis::nodal::NodalBasis;
+use crate::solve::gauss_newton::{GaussNewton, residual_rms};
+use crate::solve::level::{Level, LevelSettings};
+use crate::solve::start::pyramid::Pyramid;
+use crate::solve::start::smooth_field::smooth_start;
+use crate::{Error, ImageSource, Monitor, Options, PLANE, Progress, Solution, Stage};
 
-/// From this number of unknowns on the factor is worth making small: it would take 5 MB, which each iteration reads twice.
+/// Number of unknowns from which on the factor is kept in single precision. It would take 5 MB, which each iteration reads twice.
 const COMPACT_DOFS: usize = 10_000;
 
-/// Largest image, in pixels, whose memory is kept for the next one. That of larger ones would be missed between the frames; it
-/// comes from the system, zeros in large pages.
-const KEPT_PIXELS: usize = 1 << 24;
+/// Largest image, in pixels, whose buffer is kept for the next frame. Larger buffers are returned to the system between frames.
+const MAX_KEPT_PIXELS: usize = 1 << 24;
 
-/// Where the iterations start. `Zero` and `Field` are improved first where the mesh has many cells: by a field of cubic
-/// polynomials fitted to a few hundred of them, if that lowers the residual there.
-#[derive(Debug, Clone, Copy)]
+/// Start of the iterations.
+///
+/// On a mesh of many cells, `Zero` and `Field` are improved first by a field of cubic polynomials fitted to a few hundred cells, if
+/// that lowers the residual there.
+#[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub enum Start<'a> {
     /// No displacement.
+    #[default]
     Zero,
-    /// The displacement found on reduced images: converges from further away. The image is the one that the correlator was made
-    /// of.
-    Pyramid(ImageView<'a>),
-    /// A displacement per node of the mesh, in its unit; only nodes that a cell uses need a finite one.
-    Field(&'a [[f64; COMPONENTS]]),
+    /// The displacement found on reduced images. Converges from further away.
+    Pyramid,
+    /// A displacement per node of the mesh, in the mesh's unit. Nodes of no cell may have any value.
+    Field(&'a [[f64; PLANE]]),
 }
 
-/// A reference image read at the quadrature points of a mesh, ready to be correlated with any number of deformed images.
+/// A reference image sampled at the quadrature points of a mesh, ready to be correlated with any number of deformed images.
 ///
 /// See the [crate's documentation](crate) for an example.
 pub struct Correlator {
-    system: System,
+    dofs: Dofs<PLANE>,
+    reference: Arc<dyn ImageSource>,
     camera: Arc<dyn Camera>,
     options: Options,
+    /// Columns and rows of the images.
     size: [usize; 2],
-    level: Level,
-    pyramid: OnceLock<Pyramid>,
-    /// The last deformed image: the next one takes its memory.
+    level: Level<PLANE>,
+    laplacian: OnceLock<Arc<Laplacian>>,
+    pyramid: OnceLock<Pyramid<PLANE>>,
+    /// The last deformed image, whose buffer the next one reuses.
     last: Mutex<Option<Interpolator>>,
     pool: Option<ThreadPool>,
 }
 
+impl fmt::Debug for Correlator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Correlator")
+            .field("size", &self.size)
+            .field("num_points", &self.num_points())
+            .field("options", &self.options)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Correlator {
-    /// Reads `reference` at the quadrature points of `mesh` seen by `camera`, assembles the Hessian and factorises it.
+    /// Samples `reference` at the quadrature points of `mesh` seen by `camera`, assembles the Hessian and factorises it.
+    ///
+    /// The correlator keeps the reference image, whose pixels must not change.
     ///
     /// # Errors
     ///
-    /// [`Error`] where an option is out of its range, the mesh leaves the image, the image is flat, or it does not
-    /// determine the displacement of every node; [`Error::Cancelled`] where `monitor` asks to stop.
+    /// [`Error`] if an option is out of its range, the mesh leaves the image, the image is flat, or it does not determine the
+    /// displacement of every node.
     pub fn new(
-        reference: ImageView<'_>,
+        reference: Arc<dyn ImageSource>,
+        mesh: &Mesh,
+        camera: Arc<dyn Camera>,
+        options: Options,
+    ) -> Result<Self, Error> {
+        Self::new_with(reference, mesh, camera, options, &())
+    }
+
+    /// Does what [`new`](Self::new) does, watched by a monitor.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new); [`Error::Cancelled`] if `monitor` asks to stop.
+    pub fn new_with(
+        reference: Arc<dyn ImageSource>,
         mesh: &Mesh,
         camera: Arc<dyn Camera>,
         options: Options,
@@ -68,67 +107,88 @@ impl Correlator {
     ) -> Result<Self, Error> {
         options.check()?;
         let pool = options.num_threads.map(thread_pool).transpose()?;
-        let prepare = || {
-            // The order of the unknowns keeps one thread busy for a while: the others do what they can.
-            let (system, sampler) = rayon::join(
-                || System::new(mesh),
-                || Sampler::new(reference, options.interpolation, options.gradient, options.smoothing),
+        let prepare = |view: ImageView<'_>| {
+            let size = [view.width(), view.height()];
+            // The order of the unknowns is computed serially: the image is prepared at the same time.
+            let (dofs, sampler) = rayon::join(
+                || Dofs::new(mesh),
+                || ImageSampler::new(view, options.interpolation, options.gradient, options.smoothing),
             );
-            let (system, sampler) = (system?, sampler?);
+            let (dofs, sampler) = (dofs?, sampler?);
+            let laplacian = OnceLock::new();
+            let smoothing =
+                options.regularization_length.map(|length| (Arc::clone(laplacian_of(&laplacian, &dofs)), length));
             let settings = LevelSettings {
-                quadrature: options.quadrature,
-                size: [reference.width(), reference.height()],
-                wavelength: options.regularization_length,
-                whole_mesh: true,
-                // A penalty makes the system stiff, whatever its pivots say.
-                compact: options.regularization_length.is_none() && system.pattern.num_dofs() >= COMPACT_DOFS,
+                observation: ObservationSettings { quadrature: options.quadrature, size, require_full_coverage: true },
+                // A penalty makes the system ill-conditioned whatever its pivots are.
+                compact: smoothing.is_none() && dofs.pattern.num_dofs() >= COMPACT_DOFS,
+                smoothing,
             };
-            let level = Level::new(&system, Arc::clone(&camera), sampler, &settings, monitor)?;
-            Ok::<_, Error>((system, level))
+            let level = Level::new(&dofs, Arc::clone(&camera), sampler, settings, monitor)?;
+            Ok::<_, Error>((dofs, laplacian, level, size))
         };
-        let (system, level) = match &pool {
-            Some(pool) => pool.install(prepare),
-            None => prepare(),
-        }?;
+        let (dofs, laplacian, level, size) = view_of(reference.as_ref(), |view| match &pool {
+            Some(pool) => pool.install(|| prepare(view)),
+            None => prepare(view),
+        })??;
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
-        let size = [reference.width(), reference.height()];
-        Ok(Self { system, camera, options, size, level, pyramid: OnceLock::new(), last: Mutex::default(), pool })
+        let (pyramid, last) = (OnceLock::new(), Mutex::default());
+        Ok(Self { dofs, reference, camera, options, size, level, laplacian, pyramid, last, pool })
+    }
+
+    /// Options of this correlator.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Columns and rows of the images.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
     }
 
     /// Number of quadrature points.
     pub fn num_points(&self) -> usize {
-        self.level.num_points()
+        self.level.observation.num_points()
     }
 
     /// World points of the quadrature points, their weights and their cells, cell after cell.
     pub fn quadrature_points(&self) -> (Vec<[f64; 3]>, Vec<f64>, Vec<usize>) {
-        let mesh = &self.system.mesh;
+        let (mesh, observation) = (&self.dofs.mesh, &self.level.observation);
         let mut points = Vec::with_capacity(self.num_points());
         let mut cells = Vec::with_capacity(self.num_points());
         for cell in 0..mesh.num_cells() {
             let nodes = mesh.cell_points(cell);
-            let count = self.level.quadrature.range(cell).len();
+            let count = observation.quadrature.range(cell).len();
             let (mut xi, mut eta) = (vec![0.0; count], vec![0.0; count]);
-            self.level.quadrature.coordinates(cell, 0, &mut xi, &mut eta);
+            observation.quadrature.coordinates(cell, 0, &mut xi, &mut eta);
             points.extend(xi.iter().zip(&eta).map(|(&x, &y)| map(mesh.cell(cell).cell_type, &nodes, [x, y])));
             cells.extend(std::iter::repeat_n(cell, count));
         }
         let weights = (0..mesh.num_cells()).flat_map(|cell| {
-            let points = self.level.points.cell(cell);
-            (0..self.level.quadrature.range(cell).len()).map(move |k| points.weight(k))
+            let samples = observation.samples.cell(cell);
+            (0..observation.quadrature.range(cell).len()).map(move |k| samples.weight(k))
         });
         (points, weights.collect(), cells)
     }
 
     /// Measures the displacement between the reference image and `deformed`.
     ///
+    /// Iterations that end before they reach the tolerance are no error: see [`Solution::converged`].
+    ///
     /// # Errors
     ///
-    /// [`Error`] where the images differ in size, the deformed one is flat, the start does not fit the mesh or the
-    /// iterations diverge; [`Error::Cancelled`] where `monitor` asks to stop. Iterations that end before they reach the
-    /// tolerance are no error: see [`Solution::converged`].
-    pub fn correlate(
+    /// [`Error`] if the images differ in size, the deformed one is flat, the start does not fit the mesh or the iterations diverge.
+    pub fn correlate(&self, deformed: ImageView<'_>, start: Start<'_>) -> Result<Solution, Error> {
+        self.correlate_with(deformed, start, &())
+    }
+
+    /// Does what [`correlate`](Self::correlate) does, watched by a monitor.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`correlate`](Self::correlate); [`Error::Cancelled`] if `monitor` asks to stop.
+    pub fn correlate_with(
         &self,
         deformed: ImageView<'_>,
         start: Start<'_>,
@@ -138,115 +198,136 @@ impl Correlator {
         self.in_pool(|| self.solve(deformed, start, monitor))
     }
 
-    /// Residual `f - g~`, in grey levels, at the pixels of the reference image, row after row; NaN at pixels whose centre
-    /// lies outside the mesh or leaves the deformed image. `reference` is the image this correlator was made of.
+    /// Residual `f - g~`, in grey levels, at the pixels of the reference image, row after row; NaN at pixels whose centre lies
+    /// outside the mesh or leaves the deformed image. `displacement` has one entry per node of the mesh.
     ///
     /// # Errors
     ///
     /// Those of [`correlate`](Self::correlate).
-    pub fn residual_map(
-        &self,
-        reference: ImageView<'_>,
-        deformed: ImageView<'_>,
-        displacement: &[[f64; COMPONENTS]],
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<f32>, Error> {
-        self.check_size(reference)?;
-        self.check_size(deformed)?;
-        self.in_pool(|| {
-            let displacement = self.system.restrict(displacement)?;
-            let interpolator = |view| Interpolator::smoothed(view, self.options.interpolation, self.options.smoothing);
-            let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
-            residual_map::residual_map(&self.evaluator(&deformed), &reference, &displacement, monitor)
-        })
+    pub fn residual_map(&self, deformed: ImageView<'_>, displacement: &[[f64; PLANE]]) -> Result<Vec<f32>, Error> {
+        self.residual_map_with(deformed, displacement, &())
     }
 
-    /// Standard deviation of the displacement of each node that the noise of the images causes, in the mesh's unit; NaN at
-    /// nodes that no cell uses.
+    /// Does what [`residual_map`](Self::residual_map) does, watched by a monitor.
     ///
-    /// `reference` is the image this correlator was made of. `noise` is the standard deviation, in grey levels, of the noise
-    /// of one image as recorded, before any smoothing: white from pixel to pixel, and the same in both images.
+    /// # Errors
     ///
-    /// The standard deviations are the roots of the diagonal of `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a
-    /// regularization included. `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p`
-    /// pixels, with `h = N^T J_P^T grad f` of the reference image through the smoothing twice: `A` and the noise that the
-    /// right-hand side gathers each see it. A point counts for no more pixels than a reading of the image averages: 1.25
-    /// through the interpolation, `4 pi s^2` through a smoothing of standard deviation `s`.
+    /// Those of [`correlate`](Self::correlate); [`Error::Cancelled`] if `monitor` asks to stop.
+    pub fn residual_map_with(
+        &self,
+        deformed: ImageView<'_>,
+        displacement: &[[f64; PLANE]],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<f32>, Error> {
+        self.check_size(deformed)?;
+        let map = |reference: ImageView<'_>| {
+            let displacement = self.dofs.restrict(displacement)?;
+            let Options { interpolation, smoothing, brightness, .. } = self.options;
+            let interpolator = |view| Interpolator::smoothed(view, interpolation, smoothing);
+            let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
+            let observation = &self.level.observation;
+            let mut term = self.level.image_term(&self.dofs, &deformed, brightness);
+            term.estimate_gain_offset(&displacement, &self.level.subset, monitor)?;
+            let basis = self.nodal_basis();
+            term.evaluate(&displacement, &basis, monitor)?;
+            let gain_offset = term.gain_offset();
+            let images = ImagePair { reference: &reference, deformed: &deformed, brightness, gain_offset };
+            residual_map(&self.dofs, observation, &images, &displacement, monitor)
+        };
+        view_of(self.reference.as_ref(), |reference| self.in_pool(|| map(reference)))?
+    }
+
+    /// Standard deviation of the displacement of each node due to the noise of the images, in the mesh's unit; NaN at nodes of no
+    /// cell.
     ///
-    /// Only the scatter at convergence is predicted: neither the bias of interpolation and noise, nor that of a mesh too
-    /// coarse for the field. The prediction is too large for [`Gradient::FiniteDifference`](crate::Gradient), as
-    /// the sensitivity of the residual is that of the analytic gradient; too large with a smoothing as wide as a tenth of
-    /// the cells, over which shape functions are taken as constant; and too small where the noise is no longer small
-    /// beside the gradient of the reference image, to which it adds.
+    /// `noise` is the standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: white from
+    /// pixel to pixel, and the same in both images.
+    ///
+    /// The standard deviations are the square roots of the diagonal of `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a
+    /// regularization included. `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p` pixels, with
+    /// `h = N^T J_P^T grad f` of the reference image smoothed twice, since `A` and the noise of the right-hand side are smoothed once
+    /// each. A point counts for no more pixels than an evaluation of the image averages: 1.25 through the interpolation, `4 pi s^2`
+    /// through a smoothing of standard deviation `s`.
+    ///
+    /// Only the scatter at convergence is predicted: neither the bias of interpolation and noise, nor that of a mesh too coarse for
+    /// the field. The prediction is too large for [`Gradient::FiniteDifference`](crate::Gradient), as the sensitivity of the residual
+    /// is that of the analytic gradient; too large with a smoothing as wide as a tenth of the cells, over which shape functions are
+    /// taken as constant; and too small if the noise is not small beside the gradient of the reference image, to which it adds.
     ///
     /// The cost is one solution of the system per unknown: it grows faster than the square of the number of nodes.
     ///
     /// # Errors
     ///
-    /// [`SolveError::InvalidOption`] where `noise` is negative or not finite, [`Error::SizeMismatch`] where `reference` has
-    /// another size than the image this correlator was made of, [`Error::Cancelled`] where `monitor` asks to stop.
-    pub fn standard_deviations(
-        &self,
-        reference: ImageView<'_>,
-        noise: f64,
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<[f64; COMPONENTS]>, Error> {
-        self.check_size(reference)?;
-        self.in_pool(|| {
+    /// [`Error`] if `noise` is negative or not finite, or the reference image cannot be viewed again.
+    pub fn standard_deviations(&self, noise: f64) -> Result<Vec<[f64; PLANE]>, Error> {
+        self.standard_deviations_with(noise, &())
+    }
+
+    /// Does what [`standard_deviations`](Self::standard_deviations) does, watched by a monitor.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`standard_deviations`](Self::standard_deviations); [`Error::Cancelled`] if `monitor` asks to stop.
+    pub fn standard_deviations_with(&self, noise: f64, monitor: &dyn Monitor) -> Result<Vec<[f64; PLANE]>, Error> {
+        let predict = |reference: ImageView<'_>| {
+            let prepared = (&self.level.observation, &self.level.factor);
             let deviations =
-                covariance::standard_deviations(&self.system, &self.level, reference, &self.options, noise, monitor)?;
-            Ok(self.system.extend(&deviations))
-        })
+                covariance::standard_deviations(&self.dofs, prepared, reference, &self.options, noise, monitor)?;
+            Ok(self.dofs.extend(&deviations))
+        };
+        view_of(self.reference.as_ref(), |reference| self.in_pool(|| predict(reference)))?
     }
 
     fn solve(&self, deformed: ImageView<'_>, start: Start<'_>, monitor: &dyn Monitor) -> Result<Solution, Error> {
+        let brightness = self.options.brightness;
         let mut history = Vec::new();
-        let first = match start {
-            Start::Zero => vec![[0.0; COMPONENTS]; self.system.mesh.num_nodes()],
-            Start::Field(field) => self.system.restrict(field)?,
-            Start::Pyramid(reference) => {
-                self.check_size(reference)?;
-                self.pyramid(reference, monitor)?.start(
-                    &self.system,
-                    deformed,
-                    self.options.brightness,
-                    &mut history,
-                    monitor,
-                )?
+        let field = match start {
+            Start::Zero => vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()],
+            Start::Field(field) => self.dofs.restrict(field)?,
+            Start::Pyramid => {
+                self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, &mut history, monitor)?
             }
         };
         let interpolator = self.prepare(deformed)?;
-        let iterations = Iterations {
+        let field = match start {
+            Start::Pyramid => field,
+            _ => smooth_start(&self.dofs, &self.level, &interpolator, brightness, field, monitor)?,
+        };
+        let iterations = GaussNewton {
             level: 0,
             hessian: self.options.hessian,
             tolerance: self.options.tolerance,
             max_iterations: self.options.max_iterations,
-            largest_correction: self.size[0].max(self.size[1]) as f64,
+            max_increment: self.size[0].max(self.size[1]) as f64,
         };
-        let evaluator = self.evaluator(&interpolator);
-        let first = match start {
-            Start::Zero | Start::Field(_) => align(&evaluator, first, monitor)?,
-            Start::Pyramid(_) => first,
-        };
-        let outcome = iterations.run(&evaluator, first, &mut history, monitor)?;
-        if self.size[0] * self.size[1] <= KEPT_PIXELS {
+        let image = (&interpolator, brightness);
+        let mut outcome = self.level.solve(&self.dofs, image, &iterations, field, &mut history, monitor)?;
+        if self.size[0] * self.size[1] <= MAX_KEPT_PIXELS {
             *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
         }
-        let seen = seen_displacement(&self.system.mesh, self.camera.as_ref(), &outcome.displacement);
+        let residual_rms = residual_rms(&outcome.reports);
+        // The first term is that of the image.
+        let report = std::mem::take(&mut outcome.reports).into_iter().next().unwrap_or_default();
+        let pixels = pixel_displacement(&self.dofs.mesh, self.camera.as_ref(), &outcome.displacement);
         Ok(Solution {
-            displacement: self.system.extend(&outcome.displacement),
-            pixel_displacement: self.system.extend(&seen),
+            displacement: self.dofs.extend(&outcome.displacement),
+            pixel_displacement: self.dofs.extend(&pixels),
             converged: outcome.converged,
-            iterations: history.iter().filter(|iteration| iteration.level == 0).count(),
+            iterations: history.iter().filter(|iteration: &&Iteration| iteration.level == 0).count(),
             history,
-            residual_rms: outcome.evaluation.residual_rms,
-            cell_residuals: outcome.evaluation.cell_residuals,
-            outside_cells: outcome.evaluation.outside_cells,
+            residual_rms,
+            cell_residuals: report.cell_residuals,
+            outside_cells: report.outside_cells,
             num_points: self.num_points(),
         })
     }
 
-    /// Prepares a deformed image.
+    fn nodal_basis(&self) -> NodalBasis<'_, PLANE> {
+        let Level { factor, observation, .. } = &self.level;
+        NodalBasis { dofs: &self.dofs, factor, quadrature: &observation.quadrature }
+    }
+
+    /// Prepares a deformed image for interpolation.
     fn prepare(&self, deformed: ImageView<'_>) -> Result<Interpolator, ImageError> {
         let Options { interpolation, smoothing, .. } = self.options;
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -256,20 +337,21 @@ impl Correlator {
         }
     }
 
-    fn pyramid(&self, reference: ImageView<'_>, monitor: &dyn Monitor) -> Result<&Pyramid, Error> {
+    /// The levels of the reduced reference image, made when first needed.
+    fn pyramid(&self, monitor: &dyn Monitor) -> Result<&Pyramid<PLANE>, Error> {
         if self.pyramid.get().is_none() {
-            let built = match downsample(reference) {
-                Ok(reduced) => Pyramid::new(&self.system, &self.camera, &reduced, monitor)?,
+            let pyramid = match view_of(self.reference.as_ref(), downsample)? {
+                Ok(reduced) => self.pyramid_of(&reduced, monitor)?,
                 Err(_) => Pyramid::empty(),
             };
-            // Another thread may have been faster; both built the same.
-            let _ = self.pyramid.set(built);
+            // Another thread may have made the same meanwhile.
+            let _ = self.pyramid.set(pyramid);
         }
         Ok(self.pyramid.get_or_init(Pyramid::empty))
     }
 
-    fn evaluator<'a>(&'a self, deformed: &'a Interpolator) -> Evaluator<'a> {
-        Evaluator { system: &self.system, level: &self.level, deformed, brightness: self.options.brightness }
+    fn pyramid_of(&self, reduced: &Image, monitor: &dyn Monitor) -> Result<Pyramid<PLANE>, Error> {
+        Pyramid::new(&self.dofs, &self.camera, reduced, laplacian_of(&self.laplacian, &self.dofs), monitor)
     }
 
     fn check_size(&self, deformed: ImageView<'_>) -> Result<(), Error> {
@@ -285,10 +367,7 @@ impl Correlator {
     }
 }
 
-pub(crate) fn thread_pool(num_threads: usize) -> Result<ThreadPool, SolveError> {
-    ThreadPoolBuilder::new().num_threads(num_threads).build().map_err(|_| SolveError::InvalidOption {
-        option: "num_threads",
-        expected: "a number of threads that this machine can start",
-        value: num_threads.to_string(),
-    })
+/// The matrix of the penalty, assembled when first needed.
+fn laplacian_of<'a>(laplacian: &'a OnceLock<Arc<Laplacian>>, dofs: &Dofs<PLANE>) -> &'a Arc<Laplacian> {
+    laplacian.get_or_init(|| Arc::new(Laplacian::new(dofs)))
 }

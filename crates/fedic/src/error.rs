@@ -64,6 +64,12 @@ pub enum Error {
         /// Standard deviation of the grey levels at the quadrature points.
         std: f64,
     },
+    /// The reference image is needed again and cannot be viewed.
+    #[error("the reference image cannot be read again: {reason}")]
+    ReferenceUnavailable {
+        /// The reason given by its source.
+        reason: String,
+    },
     /// The caller asked to stop.
     #[error("the correlation was cancelled")]
     Cancelled,
@@ -83,7 +89,7 @@ pub enum SolveError {
         value: String,
     },
     /// The starting displacement does not have one finite entry per used node.
-    #[error("the initial displacement must have one finite pair of components per node ({expected} nodes): {found}")]
+    #[error("the initial displacement must have one finite value per component and node ({expected} nodes): {found}")]
     InvalidStart {
         /// Number of nodes of the mesh.
         expected: usize,
@@ -103,6 +109,12 @@ pub enum SolveError {
         points: usize,
         /// Unknowns of that cell.
         unknowns: usize,
+    },
+    /// The images do not determine the parameters of a reduced basis.
+    #[error("the images do not determine the {parameters} parameters of the displacement field")]
+    UndeterminedParameters {
+        /// Number of parameters.
+        parameters: usize,
     },
     /// The factorisation does not fit in memory.
     #[error("the factorisation of the system of {dofs} unknowns does not fit in memory")]

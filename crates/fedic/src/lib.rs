@@ -12,7 +12,7 @@
 //! and L. Robert, *Unstructured finite element-based digital image correlation with enhanced management of quadrature and
 //! lens distortions*.
 //!
-//! Data flow one way: mesh and images, quadrature, projection, interpolation, system, solution. Start at [`Correlator`].
+//! Data flow one way: mesh and images, quadrature, projection, interpolation, equations, solve, results. Start at [`Correlator`].
 //!
 //! # Examples
 //!
@@ -36,6 +36,7 @@
 //! # Ok::<(), fedic::Error>(())
 //! ```
 
+mod components;
 mod correlator;
 mod equations;
 mod error;
@@ -44,12 +45,14 @@ mod kernels;
 mod monitor;
 mod observation;
 mod options;
+mod parallel;
 mod projection;
 mod quadrature;
 mod results;
 mod self_calibration;
 mod solve;
 
+pub use components::{PLANE, SPACE};
 pub use correlator::{Correlator, Start};
 pub use error::{Error, SolveError};
 pub use fedic_camera::{
@@ -65,13 +68,11 @@ pub use fedic_mesh::{
     interpolate_field, rectangle_mesh, surface_gradients,
 };
 pub use fedic_sparse::SparseError;
-pub use interpolation::image_sampler::Sampler;
+pub use interpolation::image_sampler::ImageSampler;
 pub use monitor::{Monitor, Progress, Stage};
+pub use observation::image_source::ImageSource;
 pub use options::{Brightness, Gradient, Hessian, Options, Quadrature};
 pub use results::solution::{Iteration, Solution};
 pub use self_calibration::{
     MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,
 };
-
-/// Components of the displacement at each node: the two in the plane of the mesh.
-pub const COMPONENTS: usize = 2;

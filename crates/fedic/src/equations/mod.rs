@@ -1,5 +1,9 @@
-pub(crate) mod cell_matrix;
-pub(crate) mod image_term;
-pub(crate) mod parallel;
-pub(crate) mod tikhonov;
-pub(crate) mod unknowns;
+//! Normal equations of the nodal unknowns and the terms that they are the sum of.
+//!
+//! May import: quadrature, kernels, projection, interpolation, observation.
+
+pub(crate) mod basis;
+pub(crate) mod dofs;
+pub(crate) mod normal_equations;
+pub(crate) mod term;
+pub(crate) mod terms;

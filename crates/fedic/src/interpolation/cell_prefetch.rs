@@ -1,37 +1,35 @@
-//! What the next cell will read of the deformed image, asked from the memory while this one is worked on.
+//! Prefetching of the part of the deformed image that the next cell will read.
 //!
-//! A cell reads some twenty short stretches of the image, which the processor does not foresee. They are asked for half at a
-//! time, between the steps of the cell before: all at once, they would be waited for longer.
+//! A cell reads some twenty short stretches of the image, which the hardware prefetcher does not predict. Each half of them is
+//! prefetched between two steps of the cell before: requested all at once, they would stall that cell.
 
 use fedic_image::Interpolator;
 use fedic_mesh::Mesh;
 
-use crate::projection::cell_projection::extents;
-use crate::projection::projected_points::Sight;
+use crate::projection::projected_points::{ProjectedPoint, pixel_bounds};
 
 /// The part of an image that a cell will read.
-pub(crate) struct Ahead<'a> {
+pub(crate) struct CellPrefetch<'a> {
     image: &'a Interpolator,
-    /// Of the cell's nodes.
-    extents: [[f64; 2]; 2],
+    bounds: [[f64; 2]; 2],
 }
 
-impl<'a> Ahead<'a> {
-    /// Of the cell that comes next, if any, where nodes are seen so.
-    pub(crate) fn new(image: &'a Interpolator, mesh: &Mesh, next: Option<usize>, views: &[Sight]) -> Option<Self> {
+impl<'a> CellPrefetch<'a> {
+    /// The part read by cell `next`, if there is such a cell.
+    pub(crate) fn new(image: &'a Interpolator, mesh: &Mesh, next: Option<usize>, nodes: &[ProjectedPoint]) -> Option<Self> {
         let cell = mesh.cell(next.filter(|&cell| cell < mesh.num_cells())?);
-        Some(Self { image, extents: extents(cell.nodes.iter().map(|&node| &views[node as usize])) })
+        Some(Self { image, bounds: pixel_bounds(cell.nodes.iter().map(|&node| &nodes[node as usize])) })
     }
 
-    /// Asks for the upper half.
-    pub(crate) fn ask_upper(&self) {
-        let [[left, right], [top, bottom]] = self.extents;
+    /// Prefetches the upper half.
+    pub(crate) fn prefetch_upper_half(&self) {
+        let [[left, right], [top, bottom]] = self.bounds;
         self.image.prefetch([left, top], [right, 0.5 * (top + bottom)]);
     }
 
-    /// Asks for the lower half.
-    pub(crate) fn ask_lower(&self) {
-        let [[left, right], [top, bottom]] = self.extents;
+    /// Prefetches the lower half.
+    pub(crate) fn prefetch_lower_half(&self) {
+        let [[left, right], [top, bottom]] = self.bounds;
         self.image.prefetch([left, 0.5 * (top + bottom)], [right, bottom]);
     }
 }

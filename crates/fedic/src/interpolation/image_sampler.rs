@@ -1,17 +1,17 @@
-//! An image prepared for reading values and gradients anywhere.
+//! An image prepared for the evaluation of grey levels and gradients at any point.
 
 use fedic_image::{Image, ImageError, ImageView, Interpolation, Interpolator, central_differences, gaussian_filter};
 
 use crate::Gradient;
 
-/// An image, filtered if asked, with its interpolant and the gradient of the chosen kind.
+/// An image, smoothed if asked, with its interpolant and the gradient of the chosen kind.
 #[derive(Debug, Clone)]
-pub struct Sampler {
+pub struct ImageSampler {
     value: Interpolator,
     differences: Option<[Interpolator; 2]>,
 }
 
-impl Sampler {
+impl ImageSampler {
     /// Prepares an image; `smoothing` is the standard deviation in pixels of a Gaussian filter, 0 for none.
     ///
     /// # Errors
@@ -38,8 +38,8 @@ impl Sampler {
         Ok(Self { value: Interpolator::smoothed(view, interpolation, smoothing)?, differences })
     }
 
-    /// Prepares an image through the filter once more than [`new`](Self::new).
-    pub(crate) fn filtered_twice(
+    /// Prepares an image smoothed twice.
+    pub(crate) fn smoothed_twice(
         view: ImageView<'_>,
         interpolation: Interpolation,
         gradient: Gradient,
@@ -71,7 +71,7 @@ impl Sampler {
         }
     }
 
-    /// Grey levels and gradients at points given by their distances from the pixel `origin`.
+    /// Grey levels and gradients at points given relative to the pixel `origin`; NaN outside the image.
     pub(crate) fn values_and_gradients_near(
         &self,
         origin: [isize; 2],

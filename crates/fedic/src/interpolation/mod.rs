@@ -1,2 +1,6 @@
+//! Images prepared for evaluation at the projected points.
+//!
+//! May import: projection.
+
 pub(crate) mod cell_prefetch;
 pub(crate) mod image_sampler;

@@ -1,77 +1,98 @@
-//! What one thread works with.
+//! Per-thread scratch buffers of a pass over the cells.
 
 use fedic_memory::AlignedBuffer;
 use fedic_mesh::CellType;
 
-use crate::COMPONENTS;
-use crate::projection::cell_projection::CellsInTurn;
-use crate::projection::pointwise::Batch;
+use crate::projection::cell_projection::CellProjectionCache;
+use crate::projection::pointwise::PointwiseProjector;
 use crate::quadrature::cell_quadrature::CellQuadrature;
-use crate::quadrature::shape_table::{PADDING, PART, PointTable, Rows};
+use crate::quadrature::shape_table::{CHUNK, PADDING, ShapeTable, ShapeTableChunk};
 
-/// Memory of one thread, used again for every cell.
-pub(crate) struct Work {
-    pub(crate) cells: CellsInTurn,
-    pub(crate) batch: Box<Batch>,
-    pub(crate) own_table: OwnTable,
-    /// Pixel coordinates of the points of a part, from the origin of the cell's expansion.
-    pub(crate) pixel: [AlignedBuffer<f32>; 2],
-    /// Of all points of a cell: grey levels, gradients, gradients pulled back, weights.
-    pub(crate) grey: AlignedBuffer<f32>,
-    pub(crate) gradient: [AlignedBuffer<f32>; 2],
-    pub(crate) q: [AlignedBuffer<f32>; COMPONENTS],
-    pub(crate) weights: AlignedBuffer<f32>,
-    /// Of the points of a part: residuals times weights.
+/// Scratch buffers of one thread, reused for every cell.
+pub(crate) struct Workspace<const D: usize> {
+    pub(crate) projections: CellProjectionCache<D>,
+    pub(crate) projector: Projector,
+    pub(crate) points: PointBuffers<D>,
+    /// Weighted residuals of the points of a chunk.
     pub(crate) weighted: AlignedBuffer<f32>,
 }
 
-/// The table of a cell that shares none, part by part.
-pub(crate) struct OwnTable {
-    coordinates: [Vec<f64>; 2],
-    table: PointTable,
+/// Buffers of the projection of a cell's points.
+pub(crate) struct Projector {
+    pub(crate) pointwise: Box<PointwiseProjector>,
+    pub(crate) shapes: UnsharedShapeTable,
+    /// Image coordinates of the points of a chunk, relative to the origin of the cell's polynomial.
+    pub(crate) pixel: [AlignedBuffer<f32>; 2],
 }
 
-impl Work {
-    pub(crate) fn new() -> Self {
+/// Quantities at all points of a cell.
+pub(crate) struct PointBuffers<const D: usize> {
+    /// Grey levels.
+    pub(crate) grey: AlignedBuffer<f32>,
+    /// Image gradients.
+    pub(crate) gradient: [AlignedBuffer<f32>; 2],
+    /// Sensitivities.
+    pub(crate) q: [AlignedBuffer<f32>; D],
+    /// Weights.
+    pub(crate) weights: AlignedBuffer<f32>,
+}
+
+/// Shape table of a cell that shares none, filled chunk by chunk.
+pub(crate) struct UnsharedShapeTable {
+    coordinates: [Vec<f64>; 2],
+    table: ShapeTable,
+}
+
+impl<const D: usize> Default for Workspace<D> {
+    fn default() -> Self {
         Self {
-            cells: CellsInTurn::default(),
-            batch: Batch::new(),
-            own_table: OwnTable { coordinates: [vec![0.0; PART], vec![0.0; PART]], table: PointTable::default() },
-            pixel: [AlignedBuffer::zeros(PART), AlignedBuffer::zeros(PART)],
-            grey: AlignedBuffer::default(),
-            gradient: Default::default(),
-            q: Default::default(),
-            weights: AlignedBuffer::default(),
-            weighted: AlignedBuffer::zeros(PART),
+            projections: CellProjectionCache::default(),
+            projector: Projector {
+                pointwise: PointwiseProjector::new(),
+                shapes: UnsharedShapeTable {
+                    coordinates: [vec![0.0; CHUNK], vec![0.0; CHUNK]],
+                    table: ShapeTable::default(),
+                },
+                pixel: [AlignedBuffer::zeros(CHUNK), AlignedBuffer::zeros(CHUNK)],
+            },
+            points: PointBuffers {
+                grey: AlignedBuffer::default(),
+                gradient: Default::default(),
+                q: std::array::from_fn(|_| AlignedBuffer::default()),
+                weights: AlignedBuffer::default(),
+            },
+            weighted: AlignedBuffer::zeros(CHUNK),
         }
     }
+}
 
-    /// Makes room for the `count` points of a cell, and clears what lies between its last point and the end of the rows.
+impl<const D: usize> PointBuffers<D> {
+    /// Makes room for the `count` points of a cell and clears the padding.
     pub(crate) fn resize(&mut self, count: usize) {
         let padded = count.next_multiple_of(PADDING);
         for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
-            row.resize_for_overwrite(padded);
+            row.make_room(padded);
             row[count..].fill(0.0);
         }
     }
 }
 
-impl OwnTable {
-    /// The rows of the points of a cell from `first` on: those it shares, or else its own.
-    pub(crate) fn rows<'a>(
+impl UnsharedShapeTable {
+    /// The chunk of the points of a cell from `first` on: of the shared table of the cell if it has one, else computed here.
+    pub(crate) fn chunk<'a>(
         &'a mut self,
         quadrature: &'a CellQuadrature,
         cell: usize,
         cell_type: CellType,
         first: usize,
-    ) -> Rows<'a> {
+    ) -> ShapeTableChunk<'a> {
         if let Some(table) = quadrature.shared_table(cell) {
-            return table.part(first);
+            return table.chunk(first);
         }
-        let count = PART.min(quadrature.range(cell).len() - first);
+        let count = CHUNK.min(quadrature.range(cell).len() - first);
         let [xi, eta] = &mut self.coordinates;
         quadrature.coordinates(cell, first, &mut xi[..count], &mut eta[..count]);
         self.table.fill(cell_type, &xi[..count], &eta[..count]);
-        self.table.part(0)
+        self.table.chunk(0)
     }
 }

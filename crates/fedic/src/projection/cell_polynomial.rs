@@ -1,126 +1,134 @@
-//! Where the points of a cell are seen, as polynomials of their reference coordinates.
+//! Polynomial approximation of the projection over a cell.
 //!
-//! Over a cell a camera is very nearly a polynomial, whatever its lens. Its values and slopes at the nodes, which cells share,
-//! give one that the points of a cell evaluate in a few multiplications, from tables that cells of one subdivision share. The
-//! polynomial is compared with the camera itself where it can be worst; a cell where they differ is left to the camera.
+//! Over a cell a camera is very nearly a polynomial, whatever its lens. Values and Jacobians at the nodes, which cells share,
+//! determine one that costs a few multiplications per point. It is checked against the exact projection at the points where it
+//! is expected to be worst; on failure the cell falls back to exact projection.
 
 use std::array::from_fn;
 
 use fedic_camera::Camera;
 use fedic_mesh::{Cell, CellVisitor, MAX_NODES};
 
-use crate::kernels::simd::combinations;
-use crate::projection::polynomial_basis::{Check, DATA, Fit, MONOMIALS, MOST_CHECKS, Polynomial, UP_TO_DEGREE};
-use crate::projection::projected_points::{MOST_SIGHTS, Sight, Sights};
+use crate::kernels::gradient::LinearJacobian;
+use crate::kernels::polynomial::{PixelPolynomial, Polynomial, combinations};
+use crate::projection::polynomial_basis::{CheckPoint, DATA, MAX_CHECK_POINTS, PolynomialBasis};
+use crate::projection::projected_points::{BATCH, ProjectedPoint, ProjectedPoints};
+use crate::quadrature::monomials::{MONOMIALS, UP_TO_DEGREE};
 
-/// Most cells expanded together: as many as the camera sees at once, centres and checks.
-pub(crate) const TOGETHER: usize = MOST_SIGHTS / (1 + MOST_CHECKS);
-/// Coefficients that add up to less than this, in pixels, are left out.
+
+/// Largest number of cells fitted at once: their centres and check points fill one batch of projected points.
+pub(crate) const CELLS_AT_ONCE: usize = BATCH / (1 + MAX_CHECK_POINTS);
+/// Coefficients whose sum is below this, in pixels, are left out.
 const NEGLIGIBLE: f64 = 1e-6;
-/// Largest difference from the camera's Jacobian, relative: it only weighs residuals. For a camera of poor precision, this many
-/// times the precision.
+/// Largest relative error of the Jacobian, which only weighs residuals; or this many times the precision of the camera, if larger.
 const JACOBIAN_TOLERANCE: f64 = 1e-4;
 const JACOBIAN_PER_PRECISION: f64 = 10.0;
-/// Largest pixel coordinate, in magnitude, near which a polynomial is of use.
-const FARTHEST: f64 = 2e9;
+/// Largest magnitude of the image coordinates of a cell's centre for which a polynomial is kept.
+const MAX_COORDINATE: f64 = 2e9;
 
-/// Polynomials over a cell.
+/// Approximation of the projection over a cell.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Expansion {
-    /// A pixel near the centre, from which `pixel` counts.
+pub(crate) struct CellPolynomial<const D: usize> {
+    /// The pixel near the centre from which `pixel` counts.
     pub(crate) origin: [isize; 2],
-    /// Constant and coefficients of the monomials, of `u` and of `v`.
-    pub(crate) pixel: [[f32; MONOMIALS + 1]; 2],
-    /// What single precision leaves of the constant and of the coefficients of `xi` and `eta`, of `u` and of `v`.
-    pub(crate) remainder: [[f32; 3]; 2],
-    /// How many monomials have coefficients worth adding.
-    pub(crate) terms: usize,
-    /// Constant, slopes along `xi` and `eta` of `du/dX, du/dY, dv/dX, dv/dY`.
-    pub(crate) jacobian: [[f32; 3]; 4],
+    /// Image coordinates.
+    pub(crate) pixel: PixelPolynomial,
+    /// Jacobian with respect to the first `D` world coordinates.
+    pub(crate) jacobian: LinearJacobian<D>,
 }
 
-/// Finds the polynomials over up to [`TOGETHER`] cells; `None` over those that only the camera can follow. Where `followed` says
-/// of each cell whether a polynomial does so, because it did when the cells were hardly elsewhere, none is compared with the camera.
-pub(crate) fn expand<'a>(
+/// Fits polynomials over up to [`CELLS_AT_ONCE`] cells; `None` where no polynomial is accurate enough.
+///
+/// `accepted` holds, for each cell, whether its polynomial was accurate when the nodes were nearly where they are now: then no
+/// polynomial is checked again.
+pub(crate) fn fit_cells<'a, const D: usize>(
     cells: impl Iterator<Item = Cell<'a>> + Clone,
-    views: &[Sight],
+    nodes: &[ProjectedPoint],
     camera: &dyn Camera,
-    followed: Option<&[bool]>,
-    expansions: &mut [Option<Expansion>],
+    accepted: Option<&[bool]>,
+    polynomials: &mut [Option<CellPolynomial<D>>],
 ) {
-    let each = expansions.iter_mut().zip(cells.clone());
+    let each = polynomials.iter_mut().zip(cells.clone());
     if let Some(jacobian) = camera.constant_jacobian() {
-        each.for_each(|(expansion, cell)| *expansion = Draft::affine(cell, views, jacobian).finished());
+        each.for_each(|(polynomial, cell)| *polynomial = Draft::affine(cell, nodes, jacobian).to_single());
         return;
     }
-    let in_pieces = camera.is_in_pieces();
-    let checks_of = |fit: &'static Fit| if followed.is_some() { &[] } else { fit.checks(in_pieces) };
-    let asked = cells.take(TOGETHER).flat_map(|cell| {
-        let fit = Fit::of(cell.cell_type);
-        let shapes = std::iter::once(&fit.centre_shape).chain(checks_of(fit).iter().map(|check| &check.shape));
-        shapes.map(move |shape| interpolate(shape, cell, views))
+    let piecewise = camera.is_in_pieces();
+    let check_points_of =
+        |basis: &'static PolynomialBasis| if accepted.is_some() { &[] } else { basis.check_points(piecewise) };
+    let points = cells.take(CELLS_AT_ONCE).flat_map(|cell| {
+        let basis = PolynomialBasis::of(cell.cell_type);
+        let shapes = std::iter::once(&basis.centre_shape).chain(check_points_of(basis).iter().map(|check| &check.shape));
+        shapes.map(move |shape| interpolate(shape, cell, nodes))
     });
-    let sights = Sights::new(camera, asked);
+    let projected = ProjectedPoints::new(camera, points);
     let (precision, mut centre) = (camera.precision(), 0);
-    for (index, (expansion, cell)) in each.enumerate() {
-        let fit = Fit::of(cell.cell_type);
-        let draft = cell.cell_type.visit(NewDraft { fit, nodes: cell.nodes, views, centre: sights.at(centre).pixel });
-        let checks = checks_of(fit);
-        let agrees = followed.is_none_or(|followed| followed[index])
-            && checks.iter().zip(centre + 1..).all(|(check, k)| draft.agrees(check, &sights.at(k), precision));
-        *expansion = if agrees { draft.finished() } else { None };
-        centre += 1 + checks.len();
+    for (index, (polynomial, cell)) in each.enumerate() {
+        let basis = PolynomialBasis::of(cell.cell_type);
+        let centre_pixel = projected.at(centre).pixel;
+        let draft: Draft<D> =
+            cell.cell_type.visit(NewDraft { basis, nodes: cell.nodes, projected: nodes, centre: centre_pixel });
+        let check_points = check_points_of(basis);
+        let agrees = accepted.is_none_or(|accepted| accepted[index])
+            && check_points.iter().zip(centre + 1..).all(|(check, k)| draft.agrees(check, &projected.at(k), precision));
+        *polynomial = if agrees { draft.to_single() } else { None };
+        centre += 1 + check_points.len();
     }
 }
 
-/// The point of a cell where its shape functions are these.
-fn interpolate(shape: &[f64; MAX_NODES], cell: Cell<'_>, views: &[Sight]) -> [f64; 3] {
-    let mut place = [0.0; 3];
+/// Position of the point of a cell with these shape functions.
+fn interpolate(shape: &[f64; MAX_NODES], cell: Cell<'_>, nodes: &[ProjectedPoint]) -> [f64; 3] {
+    let mut position = [0.0; 3];
     for (shape, &node) in shape.iter().zip(cell.nodes) {
-        let node = &views[node as usize].place;
-        (0..3).for_each(|d| place[d] += shape * node[d]);
+        let node = &nodes[node as usize].world;
+        (0..3).for_each(|d| position[d] += shape * node[d]);
     }
-    place
+    position
 }
 
-/// An expansion in double precision.
-struct Draft {
+/// A cell's polynomial in double precision.
+struct Draft<const D: usize> {
     origin: [f64; 2],
     pixel: [Polynomial; 2],
-    jacobian: [[f64; 3]; 4],
+    jacobian: [[[f64; 3]; D]; 2],
 }
 
 /// Arguments of [`Draft::new`], which is compiled for each number of nodes.
-struct NewDraft<'a> {
-    fit: &'a Fit,
+struct NewDraft<'a, const D: usize> {
+    basis: &'a PolynomialBasis,
     nodes: &'a [u32],
-    views: &'a [Sight],
+    projected: &'a [ProjectedPoint],
     centre: [f64; 2],
 }
 
-impl CellVisitor for NewDraft<'_> {
-    type Output = Draft;
+impl<const D: usize> CellVisitor for NewDraft<'_, D> {
+    type Output = Draft<D>;
 
-    fn visit<const N: usize>(self) -> Draft {
-        Draft::new::<N>(self.fit, self.nodes, self.views, self.centre)
+    fn visit<const N: usize>(self) -> Draft<D> {
+        Draft::new::<N>(self.basis, self.nodes, self.projected, self.centre)
     }
 }
 
-impl Draft {
-    /// Of a cell of `N` nodes, whose centre is seen at the pixel `centre`.
-    fn new<const N: usize>(fit: &Fit, nodes: &[u32], views: &[Sight], centre: [f64; 2]) -> Self {
-        let nodes: [&Sight; N] = from_fn(|a| &views[nodes[a] as usize]);
+impl<const D: usize> Draft<D> {
+    /// Fits a cell of `N` nodes whose centre is projected to `centre`.
+    fn new<const N: usize>(
+        basis: &PolynomialBasis,
+        nodes: &[u32],
+        projected: &[ProjectedPoint],
+        centre: [f64; 2],
+    ) -> Self {
+        let nodes: [&ProjectedPoint; N] = from_fn(|a| &projected[nodes[a] as usize]);
         let origin = centre.map(f64::round);
         let mut data = [[0.0; DATA]; 2];
-        let mut jacobian = [[0.0; 3]; 4];
+        let mut jacobian = [[[0.0; 3]; D]; 2];
         for c in 0..2 {
             data[c][3 * N] = centre[c] - origin[c];
         }
         for a in 0..N {
             let mut tangents = [[0.0; 3]; 2];
             for b in 0..N {
-                for (tangent, slope) in tangents.iter_mut().zip(fit.gradients[a][b]) {
-                    (0..3).for_each(|d| tangent[d] += slope * nodes[b].place[d]);
+                for (tangent, slope) in tangents.iter_mut().zip(basis.gradients[a][b]) {
+                    (0..3).for_each(|d| tangent[d] += slope * nodes[b].world[d]);
                 }
             }
             for c in 0..2 {
@@ -129,63 +137,65 @@ impl Draft {
                 for (direction, tangent) in tangents.iter().enumerate() {
                     data[c][(1 + direction) * N + a] = x * tangent[0] + y * tangent[1] + z * tangent[2];
                 }
-                for (d, slope) in [x, y].into_iter().enumerate() {
-                    (0..3).for_each(|m| jacobian[2 * c + d][m] += slope * fit.jacobian[a][m]);
+                for (entry, slope) in jacobian[c].iter_mut().zip(nodes[a].jacobian[c]) {
+                    (0..3).for_each(|m| entry[m] += slope * basis.jacobian[a][m]);
                 }
             }
         }
         let data = data.each_ref().map(|data| &data[..=3 * N]);
-        Self { origin, pixel: combinations(data, &fit.pixel[..=3 * N]), jacobian }
+        Self { origin, pixel: combinations(data, &basis.pixel[..=3 * N]), jacobian }
     }
 
-    /// Of a cell before a camera whose Jacobian is the same everywhere.
-    fn affine(cell: Cell<'_>, views: &[Sight], jacobian: [[f64; 3]; 2]) -> Self {
-        let fit = Fit::of(cell.cell_type);
+    /// A cell seen by a camera with a constant Jacobian.
+    fn affine(cell: Cell<'_>, nodes: &[ProjectedPoint], jacobian: [[f64; 3]; 2]) -> Self {
+        let basis = PolynomialBasis::of(cell.cell_type);
         let n = cell.nodes.len();
         let mut centre = [0.0; 2];
-        for (shape, &node) in fit.centre_shape.iter().zip(cell.nodes) {
-            (0..2).for_each(|c| centre[c] += shape * views[node as usize].pixel[c]);
+        for (shape, &node) in basis.centre_shape.iter().zip(cell.nodes) {
+            (0..2).for_each(|c| centre[c] += shape * nodes[node as usize].pixel[c]);
         }
         let origin = centre.map(f64::round);
         let mut values = [[0.0; MAX_NODES]; 2];
         for (a, &node) in cell.nodes.iter().enumerate() {
-            (0..2).for_each(|c| values[c][a] = views[node as usize].pixel[c] - origin[c]);
+            (0..2).for_each(|c| values[c][a] = nodes[node as usize].pixel[c] - origin[c]);
         }
-        let pixel = combinations(values.each_ref().map(|values| &values[..n]), &fit.shape[..n]);
-        Self { origin, pixel, jacobian: from_fn(|entry| [jacobian[entry / 2][entry % 2], 0.0, 0.0]) }
+        let pixel = combinations(values.each_ref().map(|values| &values[..n]), &basis.shape[..n]);
+        Self { origin, pixel, jacobian: from_fn(|c| from_fn(|d| [jacobian[c][d], 0.0, 0.0])) }
     }
 
-    /// Whether it agrees with what the camera sees at a point.
-    fn agrees(&self, check: &Check, sight: &Sight, precision: f64) -> bool {
-        let size = self.jacobian.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
+    /// Compares the polynomial with the exact projection of a check point.
+    fn agrees(&self, check: &CheckPoint, exact: &ProjectedPoint, precision: f64) -> bool {
+        let entries = self.jacobian.as_flattened();
+        let size = entries.iter().map(|entry| entry[0].abs()).fold(0.0, f64::max);
         let jacobian_tolerance = size * JACOBIAN_TOLERANCE.max(JACOBIAN_PER_PRECISION * precision);
         let same_pixel = (0..2).all(|c| {
             let [constant, factors @ ..] = &self.pixel[c];
             let monomials = factors.iter().zip(&check.monomials).map(|(factor, monomial)| factor * monomial);
-            (self.origin[c] + constant + monomials.sum::<f64>() - sight.pixel[c]).abs() <= precision
+            (self.origin[c] + constant + monomials.sum::<f64>() - exact.pixel[c]).abs() <= precision
         });
-        let same_jacobian = (0..4).all(|entry| {
-            let [constant, xi, eta] = self.jacobian[entry];
-            let expanded = constant + xi * check.monomials[0] + eta * check.monomials[1];
-            (expanded - sight.jacobian[entry / 2][entry % 2]).abs() <= jacobian_tolerance
+        let same_jacobian = entries.iter().enumerate().all(|(entry, [constant, xi, eta])| {
+            let approximate = constant + xi * check.monomials[0] + eta * check.monomials[1];
+            (approximate - exact.jacobian[entry / D][entry % D]).abs() <= jacobian_tolerance
         });
         same_pixel && same_jacobian
     }
 
-    /// In single precision; `None` where it is not near the image.
-    fn finished(&self) -> Option<Expansion> {
-        self.origin.iter().all(|c| c.abs() < FARTHEST).then(|| Expansion {
+    /// Rounds to single precision; `None` where the cell is far outside any image.
+    fn to_single(&self) -> Option<CellPolynomial<D>> {
+        self.origin.iter().all(|c| c.abs() < MAX_COORDINATE).then(|| CellPolynomial {
             origin: self.origin.map(|c| c as isize),
-            pixel: self.pixel.map(|c| from_fn(|m| c[m] as f32)),
-            remainder: self.pixel.map(|c| from_fn(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
-            terms: worth_adding(&self.pixel),
-            jacobian: self.jacobian.map(|c| c.map(|c| c as f32)),
+            pixel: PixelPolynomial {
+                coefficients: self.pixel.map(|c| from_fn(|m| c[m] as f32)),
+                remainder: self.pixel.map(|c| from_fn(|m| (c[m] - f64::from(c[m] as f32)) as f32)),
+                terms: significant_terms(&self.pixel),
+            },
+            jacobian: self.jacobian.map(|row| row.map(|entry| entry.map(|c| c as f32))),
         })
     }
 }
 
-/// The fewest monomials, up to a whole degree, beyond which coefficients add up to nothing: a monomial is at most one.
-fn worth_adding(coefficients: &[Polynomial; 2]) -> usize {
+/// Smallest number of monomials, a whole degree, beyond which the coefficients are negligible: no monomial exceeds one.
+fn significant_terms(coefficients: &[Polynomial; 2]) -> usize {
     let mut terms = MONOMIALS;
     let mut beyond = [0.0; 2];
     for fewer in UP_TO_DEGREE.into_iter().rev() {
@@ -220,21 +230,21 @@ mod tests {
     }
 
     /// A slightly warped cell of this half-size, in pixels, seen by a camera of one pixel per unit at its centre.
-    fn warped(cell: CellType, half: f64, camera: &dyn Camera) -> Vec<Sight> {
+    fn warped(cell: CellType, half: f64, camera: &dyn Camera) -> Vec<ProjectedPoint> {
         let warp = |i: usize, phase: f64| 0.01 * half * (phase * i as f64).sin();
-        let place =
+        let world =
             |(i, [x, y]): (usize, &[f64; 2])| [300.0 + half * x + warp(i, 1.7), -200.0 + half * y + warp(i, 2.7), 0.0];
-        let view = |place| {
-            let (pixel, jacobian) = camera.project_with_jacobian(place);
-            Sight { place, pixel, jacobian }
+        let view = |world| {
+            let (pixel, jacobian) = camera.project_with_jacobian(world);
+            ProjectedPoint { world, pixel, jacobian }
         };
-        cell.reference_nodes().iter().enumerate().map(|node| view(place(node))).collect()
+        cell.reference_nodes().iter().enumerate().map(|node| view(world(node))).collect()
     }
 
-    fn expand_one(cell_type: CellType, views: &[Sight], camera: &dyn Camera) -> Option<Expansion> {
-        let nodes: Vec<u32> = (0..views.len() as u32).collect();
+    fn fit_one(cell_type: CellType, nodes_of: &[ProjectedPoint], camera: &dyn Camera) -> Option<CellPolynomial<2>> {
+        let nodes: Vec<u32> = (0..nodes_of.len() as u32).collect();
         let mut expansion = [None];
-        expand(std::iter::once(Cell { cell_type, nodes: &nodes }), views, camera, None, &mut expansion);
+        fit_cells(std::iter::once(Cell { cell_type, nodes: &nodes }), nodes_of, camera, None, &mut expansion);
         expansion[0]
     }
 
@@ -246,11 +256,11 @@ mod tests {
     }
 
     /// Largest differences from the camera: in pixels, and of the Jacobian.
-    fn differences(cell: CellType, nodes: &[Sight], camera: &dyn Camera, expansion: &Expansion) -> [f64; 2] {
-        let places: Vec<[f64; 3]> = nodes.iter().map(|node| node.place).collect();
+    fn differences(cell: CellType, nodes: &[ProjectedPoint], camera: &dyn Camera, expansion: &CellPolynomial<2>) -> [f64; 2] {
+        let worlds: Vec<[f64; 3]> = nodes.iter().map(|node| node.world).collect();
         let mut worst = [0.0_f64; 2];
         for at in points_of(cell) {
-            let (pixel, jacobian) = camera.project_with_jacobian(map(cell, &places, at));
+            let (pixel, jacobian) = camera.project_with_jacobian(map(cell, &worlds, at));
             let monomials = monomials(at);
             for c in 0..2 {
                 let coefficients = expansion.pixel[c].map(f64::from);
@@ -277,7 +287,7 @@ mod tests {
             for cell in CellType::ALL {
                 for half in [5.0, 10.0, 40.0] {
                     let nodes = warped(cell, half, &camera);
-                    if let Some(expansion) = expand_one(cell, &nodes, &camera) {
+                    if let Some(expansion) = fit_one(cell, &nodes, &camera) {
                         let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
                         assert!(pixel < 2.5e-6 && jacobian < 4e-4, "{cell}, {half}: {pixel:e} px, {jacobian:e}");
                         expanded += 1;
@@ -292,12 +302,12 @@ mod tests {
     /// Waves of half a pixel, 350 px long, as 16 intervals over 1400 px follow them.
     fn wavy(inverse: bool) -> Pinhole {
         let wave = std::f64::consts::TAU * 8381.0 / 350.0;
-        let displacement = |[x, y]: [f64; 2]| {
+        let disworldment = |[x, y]: [f64; 2]| {
             let [u, v] = [wave * x + 0.3, 0.8 * wave * y];
             Some([u.sin() * v.cos(), u.cos() * v.sin()].map(|c| 0.5 / 8381.0 * c))
         };
         let field =
-            SplineField::approximating([-0.084, -0.063, 0.084, 0.063], [16, 12], displacement).unwrap().unwrap();
+            SplineField::approximating([-0.084, -0.063, 0.084, 0.063], [16, 12], disworldment).unwrap().unwrap();
         let lens: Distortion = match inverse {
             true => InverseSplineDistortion::new(field).into(),
             false => SplineDistortion::new(field).into(),
@@ -322,12 +332,12 @@ mod tests {
                     for column in -10..10 {
                         let mut nodes = warped(cell, half, &camera);
                         for node in &mut nodes {
-                            let [x, y, z] = node.place;
-                            node.place = [x - 300.0 + 57.0 * f64::from(column), y + 200.0 + 53.0 * f64::from(row), z];
-                            (node.pixel, node.jacobian) = camera.project_with_jacobian(node.place);
+                            let [x, y, z] = node.world;
+                            node.world = [x - 300.0 + 57.0 * f64::from(column), y + 200.0 + 53.0 * f64::from(row), z];
+                            (node.pixel, node.jacobian) = camera.project_with_jacobian(node.world);
                         }
                         cells += 1;
-                        if let Some(expansion) = expand_one(cell, &nodes, &camera) {
+                        if let Some(expansion) = fit_one(cell, &nodes, &camera) {
                             expanded += 1;
                             let found = differences(cell, &nodes, &camera, &expansion);
                             worst = [worst[0].max(found[0]), worst[1].max(found[1])];
@@ -343,21 +353,21 @@ mod tests {
     #[test]
     fn cells_expanded_together_are_as_those_alone() {
         for camera in [&tilted(1400.0, -0.2) as &dyn Camera, &wavy(false), &fedic_camera::ImageFrame] {
-            let (mut views, mut cells) = (Vec::new(), Vec::new());
+            let (mut nodes_of, mut cells) = (Vec::new(), Vec::new());
             for (cell_type, half) in CellType::ALL.into_iter().zip([10.0, 5.0, 10.0, 80.0, 5.0]) {
                 let nodes = warped(cell_type, half, camera);
-                cells.push((cell_type, (views.len() as u32..(views.len() + nodes.len()) as u32).collect::<Vec<_>>()));
-                views.extend(nodes);
+                cells.push((cell_type, (nodes_of.len() as u32..(nodes_of.len() + nodes.len()) as u32).collect::<Vec<_>>()));
+                nodes_of.extend(nodes);
             }
-            let mut together = [None; TOGETHER];
+            let mut together = [None; CELLS_AT_ONCE];
             let cells = cells.iter().map(|(cell_type, nodes)| Cell { cell_type: *cell_type, nodes });
-            expand(cells.clone(), &views, camera, None, &mut together);
-            let (followed, mut again) = (together.each_ref().map(Option::is_some), [None; TOGETHER]);
-            expand(cells.clone(), &views, camera, Some(&followed), &mut again);
+            fit_cells(cells.clone(), &nodes_of, camera, None, &mut together);
+            let (accepted, mut again) = (together.each_ref().map(Option::is_some), [None; CELLS_AT_ONCE]);
+            fit_cells(cells.clone(), &nodes_of, camera, Some(&accepted), &mut again);
             assert_eq!(format!("{again:?}"), format!("{together:?}"));
             for (cell, expansion) in cells.zip(&together) {
                 let mut alone = [None];
-                expand(std::iter::once(cell), &views, camera, None, &mut alone);
+                fit_cells(std::iter::once(cell), &nodes_of, camera, None, &mut alone);
                 assert_eq!(format!("{expansion:?}"), format!("{:?}", alone[0]));
             }
             assert!(together.iter().flatten().count() >= 3);
@@ -369,7 +379,7 @@ mod tests {
         let camera = fedic_camera::FrontParallel::new(1.0, [12_000.3, 15_000.7]).unwrap();
         for cell in CellType::ALL {
             let nodes = warped(cell, 10.0, &camera);
-            let expansion = expand_one(cell, &nodes, &camera).unwrap();
+            let expansion = fit_one(cell, &nodes, &camera).unwrap();
             let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
             assert!(pixel < 6e-7 && jacobian == 0.0, "{cell}: {pixel:e} px, {jacobian:e}");
         }

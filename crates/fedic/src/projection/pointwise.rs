@@ -1,23 +1,22 @@
-//! The quadrature points of a cell, a batch at a time: reference coordinates, shape functions, positions and pixels.
+//! Exact projection of the quadrature points of a cell, batch by batch.
 //!
-//! Every stage fills arrays by component, so that the next one runs over contiguous numbers.
+//! Every stage fills arrays by component, so that the next stage runs over contiguous numbers.
 
 use fedic_camera::Camera;
 use fedic_mesh::{CellType, MAX_NODES, shape_values_batch};
 
-use crate::Sampler;
 use crate::quadrature::cell_quadrature::CellQuadrature;
 
 /// Points per batch.
 pub(crate) const BATCH: usize = 64;
 /// Arrays are filled up to a multiple of this many points.
-const LANES: usize = 4;
+const VECTOR: usize = 4;
 
 /// One number per point of a batch.
-pub(crate) type Lane = [f64; BATCH];
+type Lane = [f64; BATCH];
 
-/// Work arrays of one thread.
-pub(crate) struct Batch {
+/// Scratch arrays of one thread: a batch of points and their projections.
+pub(crate) struct PointwiseProjector {
     len: usize,
     padded: usize,
     pub(crate) xi: Lane,
@@ -28,7 +27,7 @@ pub(crate) struct Batch {
     jacobian: [[Lane; 3]; 2],
 }
 
-impl Batch {
+impl PointwiseProjector {
     pub(crate) fn new() -> Box<Self> {
         Box::new(Self {
             len: 0,
@@ -42,8 +41,8 @@ impl Batch {
         })
     }
 
-    /// Takes the `len` points of a cell from its point `first` on, and their shape functions.
-    pub(crate) fn take(
+    /// Loads `len` points of a cell from its point `first` on, with their shape functions.
+    pub(crate) fn load(
         &mut self,
         quadrature: &CellQuadrature,
         cell: usize,
@@ -52,14 +51,14 @@ impl Batch {
         len: usize,
     ) {
         self.len = len;
-        self.padded = len.next_multiple_of(LANES);
+        self.padded = len.next_multiple_of(VECTOR);
         let n = self.padded;
         quadrature.coordinates(cell, first, &mut self.xi[..n], &mut self.eta[..n]);
         shape_values_batch(cell_type, &self.xi[..n], &self.eta[..n], &mut self.shape);
     }
 
-    /// Interpolates the nodes' positions.
-    fn locate(&mut self, nodes: &[[f64; 3]]) {
+    /// Interpolates the positions of the nodes.
+    fn interpolate_positions(&mut self, nodes: &[[f64; 3]]) {
         let n = self.padded;
         for d in 0..3 {
             let position = &mut self.position[d][..n];
@@ -75,7 +74,7 @@ impl Batch {
 
     /// Projects the points of a cell with these nodes into the image.
     pub(crate) fn project(&mut self, camera: &dyn Camera, nodes: &[[f64; 3]]) {
-        self.locate(nodes);
+        self.interpolate_positions(nodes);
         let n = self.padded;
         let [x, y, z] = &self.position;
         let [u, v] = &mut self.pixel;
@@ -93,7 +92,7 @@ impl Batch {
             self.project(camera, nodes);
             return;
         }
-        self.locate(nodes);
+        self.interpolate_positions(nodes);
         let n = self.padded;
         let [x, y, z] = &self.position;
         let [u, v] = &mut self.pixel;
@@ -101,10 +100,9 @@ impl Batch {
         camera.project_with_jacobian_batch(&x[..n], &y[..n], &z[..n], &mut u[..n], &mut v[..n], &mut jacobian);
     }
 
-    /// Reads an image at the projected points: grey levels and gradients, NaN outside the image.
-    pub(crate) fn read(&self, image: &Sampler, value: &mut [f32], gradient: [&mut [f32]; 2]) {
-        let [u, v] = &self.pixel;
-        image.values_and_gradients(&u[..self.len], &v[..self.len], value, gradient);
+    /// Image coordinates of the points of the batch.
+    pub(crate) fn pixels(&self) -> [&[f64]; 2] {
+        self.pixel.each_ref().map(|c| &c[..self.len])
     }
 
     /// Area in pixels, per area of the reference domain, of a cell whose map has the Jacobian `tangents` at point `k`.
@@ -117,7 +115,7 @@ impl Batch {
 
     /// Component `c` of `q = J_P^T grad f` at point `k`.
     #[inline]
-    pub(crate) fn pull_back(&self, c: usize, k: usize, gradient: [f32; 2]) -> f64 {
+    pub(crate) fn project_gradient(&self, c: usize, k: usize, gradient: [f32; 2]) -> f64 {
         self.jacobian[0][c][k] * f64::from(gradient[0]) + self.jacobian[1][c][k] * f64::from(gradient[1])
     }
 }

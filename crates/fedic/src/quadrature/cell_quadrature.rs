@@ -1,10 +1,10 @@
-//! The quadrature points of every cell: generated from its subdivision, or stored where they are pixels.
+//! Quadrature points of every cell: generated from its subdivision, or stored for the pixel rule.
 
 use fedic_camera::Camera;
 use fedic_mesh::{Mesh, Subdivision, inverse_map, pixels_in_polygon};
 use rayon::prelude::*;
 
-use crate::quadrature::shape_table::{PointTable, SharedTables};
+use crate::quadrature::shape_table::{ShapeTable, SharedShapeTables};
 use crate::{Error, Quadrature};
 
 /// Quadrature points of a mesh in the reference domains of its cells, numbered cell after cell.
@@ -12,7 +12,7 @@ use crate::{Error, Quadrature};
 pub(crate) struct CellQuadrature {
     points: Points,
     starts: Vec<usize>,
-    tables: SharedTables,
+    tables: SharedShapeTables,
 }
 
 #[derive(Debug, Clone)]
@@ -22,7 +22,7 @@ enum Points {
 }
 
 impl CellQuadrature {
-    /// The points of `quadrature` for the cells as `camera` sees them.
+    /// Places the points of `quadrature` in the cells, whose size in pixels is that seen by `camera`.
     pub(crate) fn new(mesh: &Mesh, camera: &dyn Camera, quadrature: Quadrature) -> Result<Self, Error> {
         let pixels: Vec<[f64; 2]> = mesh.points().par_iter().map(|&point| camera.project(point)).collect();
         let cell_pixels = |cell: usize| -> Vec<[f64; 2]> {
@@ -51,9 +51,9 @@ impl CellQuadrature {
         let tables = match &points {
             Points::Subdivisions(subdivisions) => {
                 let types = mesh.cells().map(|cell| cell.cell_type);
-                SharedTables::new(&types.zip(subdivisions.iter().copied()).collect::<Vec<_>>())
+                SharedShapeTables::new(&types.zip(subdivisions.iter().copied()).collect::<Vec<_>>())
             }
-            Points::Stored(_) => SharedTables::none(mesh.num_cells()),
+            Points::Stored(_) => SharedShapeTables::none(mesh.num_cells()),
         };
         Ok(Self { points, starts: std::iter::once(0).chain(ends).collect(), tables })
     }
@@ -68,8 +68,8 @@ impl CellQuadrature {
         self.starts[cell]..self.starts[cell + 1]
     }
 
-    /// Reference coordinates of the points of a cell from its point `first` on, as many as the slices hold; those past the
-    /// cell's last point mean nothing.
+    /// Writes the reference coordinates of the points of a cell from its point `first` on, as many as the slices hold. Entries
+    /// past the last point of the cell are unspecified.
     pub(crate) fn coordinates(&self, cell: usize, first: usize, xi: &mut [f64], eta: &mut [f64]) {
         match &self.points {
             Points::Subdivisions(subdivisions) => subdivisions[cell].points(first, xi, eta),
@@ -82,13 +82,13 @@ impl CellQuadrature {
         }
     }
 
-    /// The table of a cell, where it shares one.
-    pub(crate) fn shared_table(&self, cell: usize) -> Option<&PointTable> {
+    /// Shared shape table of a cell, if any.
+    pub(crate) fn shared_table(&self, cell: usize) -> Option<&ShapeTable> {
         self.tables.of(cell)
     }
 
-    /// Weight of the points of a cell before the Jacobian of its map, or `None` where each weighs one pixel.
-    pub(crate) fn part_area(&self, cell: usize) -> Option<f64> {
+    /// Reference area of each point of a cell; `None` for the pixel rule, where each point stands for one pixel.
+    pub(crate) fn point_area(&self, cell: usize) -> Option<f64> {
         match &self.points {
             Points::Subdivisions(subdivisions) => Some(subdivisions[cell].subcell_area()),
             Points::Stored(_) => None,

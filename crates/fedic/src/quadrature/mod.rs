@@ -1,2 +1,7 @@
+//! Quadrature points of the cells, in reference coordinates, and the shape functions and monomials tabulated there.
+//!
+//! May import: nothing of the other folders.
+
 pub(crate) mod cell_quadrature;
+pub(crate) mod monomials;
 pub(crate) mod shape_table;

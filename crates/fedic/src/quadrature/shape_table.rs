@@ -1,37 +1,38 @@
-//! What the points of a cell know of its reference domain: their shape functions and monomials, in single precision.
+//! Shape functions and monomials tabulated at the quadrature points of a cell, in single precision.
 
 use fedic_memory::AlignedBuffer;
 use fedic_mesh::{CellType, MAX_NODES, Subdivision, shape_values_batch};
 
-use crate::projection::polynomial_basis::{MONOMIALS, monomials};
+use crate::quadrature::monomials::{MONOMIALS, monomials};
 
-/// Rows are padded to a multiple of this many points, so that no vector is cut short.
+/// Rows are padded to a multiple of this many points, a multiple of the widest vector.
 pub(crate) const PADDING: usize = 16;
-/// Most points treated at once: their rows stay in the cache next to the processor.
-pub(crate) const PART: usize = 512;
-/// Most points of a cell whose table is shared.
+/// Largest number of points processed at once: their rows fit in the first-level cache.
+pub(crate) const CHUNK: usize = 512;
+/// Largest number of points of a shared table.
 const MAX_SHARED: usize = 4096;
-/// Cells that must share a table for it to be worth its memory.
+/// Smallest number of cells for which a shared table is kept.
 const MIN_SHARING: usize = 8;
 
-/// Rows of one number per point: shape functions, then the constant and the other monomials. Past the last point they vanish.
+/// One row per shape function, then one per monomial, the constant first; one entry per point. Entries past the last point are
+/// zero.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct PointTable {
+pub(crate) struct ShapeTable {
     num_nodes: usize,
     padded: usize,
     rows: AlignedBuffer<f32>,
 }
 
-/// Some points of a table.
+/// Up to [`CHUNK`] consecutive points of a table.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rows<'a> {
-    table: &'a PointTable,
+pub(crate) struct ShapeTableChunk<'a> {
+    table: &'a ShapeTable,
     first: usize,
     padded: usize,
 }
 
-impl PointTable {
-    /// Fills the table for points of a cell of this type.
+impl ShapeTable {
+    /// Fills the table for the points of a cell.
     pub(crate) fn fill(&mut self, cell_type: CellType, xi: &[f64], eta: &[f64]) {
         let (len, num_nodes) = (xi.len(), cell_type.num_nodes());
         let padded = len.next_multiple_of(PADDING);
@@ -64,34 +65,34 @@ impl PointTable {
         table
     }
 
-    /// The rows of up to [`PART`] points from `first`, a multiple of [`PADDING`], on.
-    pub(crate) fn part(&self, first: usize) -> Rows<'_> {
-        Rows { table: self, first, padded: PART.min(self.padded - first) }
+    /// Up to [`CHUNK`] points from `first`, a multiple of [`PADDING`], on.
+    pub(crate) fn chunk(&self, first: usize) -> ShapeTableChunk<'_> {
+        ShapeTableChunk { table: self, first, padded: CHUNK.min(self.padded - first) }
     }
 }
 
-impl<'a> Rows<'a> {
+impl<'a> ShapeTableChunk<'a> {
     /// Number of nodes of the cell.
     pub(crate) fn num_nodes(self) -> usize {
         self.table.num_nodes
     }
 
-    /// Number of entries of a row.
+    /// Length of each row.
     pub(crate) fn padded(self) -> usize {
         self.padded
     }
 
-    /// Shape function of one node.
+    /// Shape function of one node at the points.
     pub(crate) fn shape(self, node: usize) -> &'a [f32] {
         self.row(node)
     }
 
-    /// A monomial of the reference coordinates; the first is the constant.
+    /// Monomial `m` of the reference coordinates at the points; monomial 0 is the constant.
     pub(crate) fn monomial(self, m: usize) -> &'a [f32] {
         self.row(self.table.num_nodes + m)
     }
 
-    /// One at every point.
+    /// A row of ones.
     pub(crate) fn ones(self) -> &'a [f32] {
         self.monomial(0)
     }
@@ -102,16 +103,16 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The tables that cells of one type and subdivision share.
+/// Tables shared by the cells of one type and subdivision.
 #[derive(Debug, Clone)]
-pub(crate) struct SharedTables {
-    tables: Vec<PointTable>,
-    /// Table of each cell, where it shares one.
+pub(crate) struct SharedShapeTables {
+    tables: Vec<ShapeTable>,
+    /// Index of the table of each cell, if it is shared.
     of_cell: Vec<Option<u32>>,
 }
 
-impl SharedTables {
-    /// Tables of the subdivisions that enough cells share.
+impl SharedShapeTables {
+    /// Tabulates every subdivision that enough cells share.
     pub(crate) fn new(cells: &[(CellType, Subdivision)]) -> Self {
         let mut order: Vec<usize> = (0..cells.len()).collect();
         order.sort_unstable_by_key(|&cell| (cells[cell], cell));
@@ -120,20 +121,20 @@ impl SharedTables {
             let (cell_type, subdivision) = cells[group[0]];
             if group.len() >= MIN_SHARING && subdivision.num_points() <= MAX_SHARED {
                 let table = Some(shared.tables.len() as u32);
-                shared.tables.push(PointTable::of(cell_type, subdivision));
+                shared.tables.push(ShapeTable::of(cell_type, subdivision));
                 group.iter().for_each(|&cell| shared.of_cell[cell] = table);
             }
         }
         shared
     }
 
-    /// No table.
+    /// No shared table.
     pub(crate) fn none(num_cells: usize) -> Self {
         Self { tables: Vec::new(), of_cell: vec![None; num_cells] }
     }
 
-    /// The table of a cell, where it shares one.
-    pub(crate) fn of(&self, cell: usize) -> Option<&PointTable> {
+    /// Shared table of a cell, if any.
+    pub(crate) fn of(&self, cell: usize) -> Option<&ShapeTable> {
         self.of_cell[cell].map(|table| &self.tables[table as usize])
     }
 }

@@ -1,46 +1,55 @@
 //! Standard deviation of the displacement, predicted from the noise of the images.
 //!
-//! A correction solves `A dU = b` with `b = sum w_k q_k r_k` and `A` the Hessian. Noise of standard deviation `sigma`, white
-//! from pixel to pixel in both images, gives the residual the variance `2 sigma^2` at a pixel and, where a point stands for
-//! `p_k` pixels, `b` the covariance `2 sigma^2 B` with `B = sum (w_k^2 / p_k) h_k h_k^T`. The displacement then has the
-//! covariance `2 sigma^2 A^-1 B A^-1`. With one point per pixel, as many pixels per area everywhere and neither smoothing nor
-//! penalty, that is the Cramer-Rao bound `2 sigma^2 (sum q_k q_k^T)^-1`.
+//! An increment solves `A dU = b` with `b = sum w_k q_k r_k` and the Hessian `A`. Noise of standard deviation `sigma`, white from pixel
+//! to pixel in both images, gives the residual the variance `2 sigma^2` at a pixel. Where a point stands for `p_k` pixels, `b` has the
+//! covariance `2 sigma^2 B` with `B = sum (w_k^2 / p_k) h_k h_k^T`, and the displacement `2 sigma^2 A^-1 B A^-1`. With one point per
+//! pixel, uniform pixel density, and neither smoothing nor penalty, that is the Cramer-Rao bound `2 sigma^2 (sum q_k q_k^T)^-1`.
 //!
-//! A smoothing smooths the noise before `b` gathers it. That is to gather the noise as recorded with smoothed weights, and
-//! shape functions vary little over the width of the filter: `h_k` is `q_k` with the gradient of an image filtered twice.
+//! Smoothing the images smooths their noise, too. That equals unsmoothed noise with smoothed weights, and shape functions vary little
+//! over the width of the filter: `h_k` is `q_k` with the gradient of an image smoothed twice.
 
 use std::f64::consts::PI;
 
 use fedic_image::ImageView;
 use fedic_mesh::jacobian;
-use fedic_sparse::SymmetricMatrix;
+use fedic_sparse::{Factor, SymmetricMatrix};
 use rayon::prelude::*;
 
-use crate::equations::cell_matrix::CellHessian;
-use crate::equations::parallel::for_each_cell;
-use crate::equations::unknowns::System;
-use crate::observation::level::Level;
-use crate::observation::workspace::Work;
-use crate::projection::cell_projection::{CellView, node_views};
+use crate::equations::dofs::Dofs;
+use crate::interpolation::image_sampler::ImageSampler;
+use crate::kernels::cell_matrix::CellMatrix;
+use crate::observation::cell_context::{CellContext, exact_sensitivity};
+use crate::observation::observe::Observation;
+use crate::observation::workspace::Workspace;
+use crate::parallel::for_each_in_order;
+use crate::projection::cell_projection::CellProjection;
 use crate::projection::pointwise::BATCH;
-use crate::projection::projected_points::Sight;
-use crate::quadrature::shape_table::PART;
-use crate::{COMPONENTS, Error, Monitor, Options, Sampler, SolveError};
+use crate::projection::projected_points::{ProjectedPoint, project_nodes};
+use crate::{Error, Monitor, Options, SolveError};
 
-/// Nodes whose unknowns are solved for at once.
+/// Number of nodes whose unknowns are solved for at once.
 const NODES: usize = 16;
-/// Over how many pixels the interpolation between them averages white noise, about: 1.2 to 1.3 for the splines.
-const PIXELS_INTERPOLATED: f64 = 1.25;
+/// Number of pixels over which interpolation between them averages white noise, about: 1.2 to 1.3 for the splines.
+pub(crate) const PIXELS_INTERPOLATED: f64 = 1.25;
+
+/// Number of pixels over which interpolation and smoothing average white noise.
+pub(crate) fn pixels_averaged(smoothing: f64) -> f64 {
+    (4.0 * PI * smoothing.powi(2)).max(PIXELS_INTERPOLATED)
+}
 
 /// Standard deviation of the displacement of each node for images whose noise has the standard deviation `noise`.
-pub(crate) fn standard_deviations(
-    system: &System,
-    level: &Level,
+///
+/// # Errors
+///
+/// [`SolveError::InvalidOption`] if `noise` is negative or not finite; [`Error::Cancelled`] if `monitor` asks to stop.
+pub(crate) fn standard_deviations<const D: usize>(
+    dofs: &Dofs<D>,
+    (observation, factor): (&Observation<D>, &Factor),
     reference: ImageView<'_>,
     options: &Options,
     noise: f64,
     monitor: &dyn Monitor,
-) -> Result<Vec<[f64; COMPONENTS]>, Error> {
+) -> Result<Vec<[f64; D]>, Error> {
     if !(noise.is_finite() && noise >= 0.0) {
         return Err(Error::Solve(SolveError::InvalidOption {
             option: "noise",
@@ -48,91 +57,94 @@ pub(crate) fn standard_deviations(
             value: noise.to_string(),
         }));
     }
-    let gathered = GatheredNoise {
-        system,
-        level,
-        image: Sampler::filtered_twice(reference, options.interpolation, options.gradient, options.smoothing)?,
-        pixels_read: (4.0 * PI * options.smoothing.powi(2)).max(PIXELS_INTERPOLATED),
+    let noise_pass = NoisePass {
+        dofs,
+        observation,
+        image: ImageSampler::smoothed_twice(reference, options.interpolation, options.gradient, options.smoothing)?,
+        pixels_averaged: pixels_averaged(options.smoothing),
     };
-    let matrix = gathered.assemble(monitor)?;
-    let (num_nodes, dofs) = (system.pattern.num_nodes(), system.pattern.num_dofs());
+    let matrix = noise_pass.assemble(monitor)?;
+    let (num_nodes, num_dofs) = (dofs.pattern.num_nodes(), dofs.pattern.num_dofs());
     let blocks = (0..num_nodes).into_par_iter().step_by(NODES).map_init(
-        || vec![0.0; NODES * COMPONENTS * dofs],
+        || vec![0.0; NODES * D * num_dofs],
         |columns, first| {
             if monitor.cancelled() {
                 return Err(Error::Cancelled);
             }
-            let unknowns = first * COMPONENTS..num_nodes.min(first + NODES) * COMPONENTS;
-            let columns = &mut columns[..unknowns.len() * dofs];
+            let unknowns = first * D..num_nodes.min(first + NODES) * D;
+            let columns = &mut columns[..unknowns.len() * num_dofs];
             columns.fill(0.0);
-            columns.chunks_exact_mut(dofs).zip(unknowns).for_each(|(column, unknown)| column[unknown] = 1.0);
-            level.factor.solve_sequentially(columns);
+            columns.chunks_exact_mut(num_dofs).zip(unknowns).for_each(|(column, unknown)| column[unknown] = 1.0);
+            factor.solve_sequentially(columns);
             let deviation = |column| {
-                let variance = 2.0 * matrix.quadratic_form(&system.pattern, column);
+                let variance = 2.0 * matrix.quadratic_form(&dofs.pattern, column);
                 noise * variance.max(0.0).sqrt()
             };
-            Ok(columns.chunks_exact(dofs).map(deviation).collect::<Vec<_>>())
+            Ok(columns.chunks_exact(num_dofs).map(deviation).collect::<Vec<_>>())
         },
     );
     let deviations = blocks.collect::<Result<Vec<_>, Error>>()?.concat();
-    Ok(deviations.as_chunks::<COMPONENTS>().0.to_vec())
+    Ok(deviations.as_chunks::<D>().0.to_vec())
 }
 
-/// The noise that the right-hand side gathers.
-struct GatheredNoise<'a> {
-    system: &'a System,
-    level: &'a Level,
-    /// The reference image through the smoothing twice.
-    image: Sampler,
-    /// Pixels over which a reading of the image averages the noise: a point that stands for more does not average more.
-    pixels_read: f64,
+/// Input of the pass that assembles the covariance of the right-hand side.
+struct NoisePass<'a, const D: usize> {
+    dofs: &'a Dofs<D>,
+    observation: &'a Observation<D>,
+    /// The reference image smoothed twice.
+    image: ImageSampler,
+    /// A point that stands for more pixels than these averages no more noise.
+    pixels_averaged: f64,
 }
 
-impl GatheredNoise<'_> {
-    /// `B`: the covariance of the right-hand side over the variance of the residual at a pixel.
+impl<const D: usize> NoisePass<'_, D> {
+    /// `B`: covariance of the right-hand side for a residual of variance one at a pixel.
     fn assemble(&self, monitor: &dyn Monitor) -> Result<SymmetricMatrix, Error> {
-        let pattern = &self.system.pattern;
+        let pattern = &self.dofs.pattern;
         let mut matrix = SymmetricMatrix::zeros(pattern);
-        let views = node_views(&self.system.mesh, self.level.camera.as_ref(), None);
-        for_each_cell(
+        let nodes = project_nodes::<D>(&self.dofs.mesh, self.observation.camera.as_ref(), None);
+        for_each_in_order(
             0..pattern.num_cells(),
             monitor,
-            |work, cell, _| self.of_cell(work, cell, &views),
-            |cell, gathered| matrix.add_cell(pattern, cell, &gathered.entries()),
+            |workspace: &mut Workspace<D>, cell, _| self.cell_covariance(workspace, cell, &nodes),
+            |cell, covariance| matrix.add_cell(pattern, cell, &covariance.entries()),
         )?;
         Ok(matrix)
     }
 
-    fn of_cell(&self, work: &mut Work, cell: usize, views: &[Sight]) -> CellHessian {
-        let (mesh, quadrature, camera) = (&self.system.mesh, &self.level.quadrature, self.level.camera.as_ref());
-        let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
-        let points = self.level.points.cell(cell);
-        let count = quadrature.range(cell).len();
-        work.resize(count);
-        let Work { batch, own_table, q: h, weights, .. } = work;
+    fn cell_covariance(&self, workspace: &mut Workspace<D>, cell: usize, nodes: &[ProjectedPoint]) -> CellMatrix<D> {
+        let (mesh, observation) = (&self.dofs.mesh, self.observation);
+        let (cell_type, cell_points) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
+        let (quadrature, camera) = (&observation.quadrature, observation.camera.as_ref());
+        // Exact projection: the area of each point in pixels needs the Jacobian of the camera there.
+        let projection = CellProjection::<D>::exact(mesh.cell(cell), nodes);
+        let context = CellContext { cell, cell_type, quadrature, camera, projection };
+        let samples = observation.samples.cell(cell);
+        let Workspace { projector, points: buffers, .. } = workspace;
+        buffers.resize(context.count());
+        let (h, weights) = (&mut buffers.q, &mut buffers.weights);
         let (mut value, mut along_u, mut along_v) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
-        CellView::new(mesh, cell, views, camera).for_each_batch(batch, quadrature, cell, camera, |batch, part| {
-            let n = part.len();
-            batch.read(&self.image, &mut value[..n], [&mut along_u[..n], &mut along_v[..n]]);
-            for (k, point) in part.enumerate() {
-                let pixels = match quadrature.part_area(cell) {
+        context.for_each_exact_projection(projector, |batch, points| {
+            let n = points.len();
+            let [u, v] = batch.pixels();
+            self.image.values_and_gradients(u, v, &mut value[..n], [&mut along_u[..n], &mut along_v[..n]]);
+            for (k, point) in points.clone().enumerate() {
+                let pixels = match quadrature.point_area(cell) {
                     Some(area) => {
-                        area * batch.pixel_element(k, &jacobian(cell_type, &nodes, [batch.xi[k], batch.eta[k]]))
+                        let at = [batch.xi[k], batch.eta[k]];
+                        area * batch.pixel_element(k, &jacobian(cell_type, &cell_points, at))
                     }
                     None => 1.0,
                 };
-                weights[point] = (points.weight(point).powi(2) / pixels.min(self.pixels_read)) as f32;
-                for (c, h) in h.iter_mut().enumerate() {
-                    h[point] = batch.pull_back(c, k, [along_u[k], along_v[k]]) as f32;
-                }
+                weights[point] = (samples.weight(point).powi(2) / pixels.min(self.pixels_averaged)) as f32;
             }
+            let first = points.start;
+            exact_sensitivity(batch, points, |k| [along_u[k - first], along_v[k - first]], h);
         });
-        let mut gathered = CellHessian::new(nodes.len());
-        for first in (0..count).step_by(PART) {
-            let rows = own_table.rows(quadrature, cell, cell_type, first);
-            let part = first..first + rows.padded();
-            gathered.add(rows, [&h[0][part.clone()], &h[1][part.clone()]], &weights[part]);
-        }
-        gathered
+        let mut covariance = CellMatrix::zeros(cell_points.len());
+        context.for_each_chunk(&mut projector.shapes, |chunk, points| {
+            covariance.add(chunk, h.each_ref().map(|h| &h[points.clone()]), &weights[points]);
+        });
+        covariance
     }
 }

@@ -1,3 +1,7 @@
+//! Results: the solution, the covariance of the displacement, and the residual as an image.
+//!
+//! May import: quadrature, kernels, projection, interpolation, observation, equations.
+
 pub(crate) mod covariance;
 pub(crate) mod residual_map;
 pub(crate) mod solution;

@@ -2,65 +2,84 @@
 
 use fedic_image::Interpolator;
 
-use crate::equations::image_term::Evaluator;
-use crate::equations::parallel::for_each_cell;
-use crate::observation::photometry::Moments;
-use crate::projection::cell_projection::node_views;
+use crate::equations::dofs::Dofs;
+use crate::observation::observe::Observation;
+use crate::observation::photometry::{GainOffset, Moments};
+use crate::observation::workspace::Workspace;
+use crate::parallel::for_each_in_order;
 use crate::projection::pointwise::BATCH;
 use crate::quadrature::cell_quadrature::CellQuadrature;
-use crate::{Brightness, COMPONENTS, Error, Monitor, Quadrature};
+use crate::{Brightness, Error, Monitor, Quadrature};
 
-/// Residual `f - g~` at each pixel of the reference image whose centre lies in the mesh; NaN at the others.
-pub(crate) fn residual_map(
-    evaluator: &Evaluator<'_>,
-    reference: &Interpolator,
-    displacement: &[[f64; COMPONENTS]],
+/// Both images and the gain and offset of the deformed one.
+pub(crate) struct ImagePair<'a> {
+    pub(crate) reference: &'a Interpolator,
+    pub(crate) deformed: &'a Interpolator,
+    pub(crate) brightness: Brightness,
+    /// Over the mesh, of grey levels counted from zero.
+    pub(crate) gain_offset: GainOffset,
+}
+
+/// Residual `f - g~` at each pixel of the reference image whose centre lies in the mesh, row after row; NaN at the others.
+///
+/// # Errors
+///
+/// [`Error::Cancelled`] if `monitor` asks to stop.
+pub(crate) fn residual_map<const D: usize>(
+    dofs: &Dofs<D>,
+    observation: &Observation<D>,
+    images: &ImagePair<'_>,
+    displacement: &[[f64; D]],
     monitor: &dyn Monitor,
 ) -> Result<Vec<f32>, Error> {
-    let (system, camera) = (evaluator.system, evaluator.level.camera.as_ref());
-    let first = evaluator.first_correction(displacement, monitor)?;
-    let over_mesh = evaluator.evaluate(displacement, first, None, false, monitor)?.correction;
-    let over_mesh = over_mesh.without_pivot(f64::from(evaluator.level.pivot));
-    let views = node_views(&system.mesh, camera, Some(displacement));
-    let pixels = CellQuadrature::new(&system.mesh, camera, Quadrature::Pixel)?;
-    let (width, height) = (reference.width(), reference.height());
+    let (mesh, camera) = (&dofs.mesh, observation.camera.as_ref());
+    let pixels = CellQuadrature::new(mesh, camera, Quadrature::Pixel)?;
+    let [width, height] = observation.size;
     let mut map = vec![f32::NAN; width * height];
-    for_each_cell(
-        0..system.mesh.num_cells(),
+    for_each_in_order(
+        0..mesh.num_cells(),
         monitor,
-        |work, cell, _| {
-            let cell_type = system.mesh.cell(cell).cell_type;
-            let rest = system.mesh.cell_points(cell);
-            let displaced: Vec<[f64; 3]> =
-                system.mesh.cell(cell).nodes.iter().map(|&node| views[node as usize].place).collect();
-            let batch = &mut work.batch;
+        |workspace: &mut Workspace<D>, cell, _| {
+            let cell_type = mesh.cell(cell).cell_type;
+            let at_rest = mesh.cell_points(cell);
+            let mut displaced = at_rest.clone();
+            for (point, &node) in displaced.iter_mut().zip(mesh.cell(cell).nodes) {
+                point.iter_mut().zip(displacement[node as usize]).for_each(|(x, u)| *x += u);
+            }
+            let batch = &mut workspace.projector.pointwise;
             let count = pixels.range(cell).len();
-            let mut readings = Vec::with_capacity(count);
-            let (mut f, mut grey) = ([0.0; BATCH], [0.0; BATCH]);
+            let mut levels = Vec::with_capacity(count);
+            let (mut f, mut g) = ([0.0; BATCH], [0.0; BATCH]);
             for first in (0..count).step_by(BATCH) {
                 let len = BATCH.min(count - first);
-                batch.take(&pixels, cell, cell_type, first, len);
-                batch.project(camera, &rest);
-                reference.values(&batch.pixel[0][..len], &batch.pixel[1][..len], &mut f[..len]);
-                let places = batch.pixel.map(|lane| lane.map(|c| c.round().max(0.0) as usize));
+                batch.load(&pixels, cell, cell_type, first, len);
+                batch.project(camera, &at_rest);
+                let [u, v] = batch.pixels();
+                images.reference.values(u, v, &mut f[..len]);
+                let nearest = |c: &f64| c.round().max(0.0) as usize;
+                let positions: Vec<[usize; 2]> = u.iter().zip(v).map(|(u, v)| [nearest(u), nearest(v)]).collect();
                 batch.project(camera, &displaced);
-                let [u, v] = &batch.pixel;
-                evaluator.deformed.values(&u[..len], &v[..len], &mut grey[..len]);
-                readings.extend((0..len).map(|k| ([places[0][k], places[1][k]], f64::from(f[k]), f64::from(grey[k]))));
+                let [u, v] = batch.pixels();
+                images.deformed.values(u, v, &mut g[..len]);
+                let grey = |k: usize| [f[k], g[k]].map(f64::from);
+                levels.extend(positions.into_iter().enumerate().map(|(k, position)| (position, grey(k))));
             }
-            let correction = match evaluator.brightness {
+            let gain_offset = match images.brightness {
                 Brightness::Element => {
                     let mut moments = Moments::default();
-                    readings.iter().filter(|(_, _, g)| !g.is_nan()).for_each(|&(_, f, g)| moments.add_point(1.0, f, g));
-                    moments.correction()
+                    let inside = levels.iter().filter(|(_, [_, g])| !g.is_nan());
+                    inside.for_each(|&(_, [f, g])| moments.add_point(1.0, f, g));
+                    moments.gain_offset()
                 }
-                Brightness::None | Brightness::Global => over_mesh,
+                Brightness::None | Brightness::Global => images.gain_offset,
             };
-            let residual = |(place, f, g)| (place, (f - correction.gain * g - correction.offset) as f32);
-            readings.into_iter().map(residual).collect::<Vec<_>>()
+            let residual = |(position, [f, g]): ([usize; 2], [f64; 2])| {
+                (position, (f - gain_offset.gain * g - gain_offset.offset) as f32)
+            };
+            levels.into_iter().map(residual).collect::<Vec<_>>()
         },
-        |_, readings| {
-            for ([column, row], residual) in readings {
+        |_, residuals| {
+            for ([column, row], residual) in residuals {
                 if column < width && row < height {
                     map[row * width + column] = residual;
                 }

@@ -1,26 +1,27 @@
-//! What a correlation gives back.
+//! The measured displacement field.
 
-use crate::COMPONENTS;
+use crate::PLANE;
 
 /// One Gauss-Newton iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iteration {
     /// Level of the pyramid, 0 for the full resolution.
     pub level: usize,
-    /// Number on that level, from 1.
+    /// Number of the iteration on that level, from 1.
     pub iteration: usize,
     /// Largest nodal correction, in pixels of the full resolution.
     pub correction: f64,
-    /// Standard deviation of the residual before the correction, in grey levels.
+    /// Root mean square of the residual before the correction, in grey levels.
     pub residual_rms: f64,
 }
 
 /// The displacement field and how it was reached.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Solution {
     /// Displacement of each node of the mesh, in its unit; NaN at nodes that no cell uses.
-    pub displacement: Vec<[f64; COMPONENTS]>,
-    /// The same in the image: `P(X + U) - P(X)`, in pixels.
+    pub displacement: Vec<[f64; PLANE]>,
+    /// Displacement of each node in the image, `P(X + U) - P(X)`, in pixels.
     pub pixel_displacement: Vec<[f64; 2]>,
     /// Whether the last correction was within the tolerance.
     pub converged: bool,
@@ -28,11 +29,11 @@ pub struct Solution {
     pub iterations: usize,
     /// Every iteration, coarsest level first.
     pub history: Vec<Iteration>,
-    /// Standard deviation of the residual over the mesh, in grey levels, before the last correction.
+    /// Root mean square of the residual over the mesh, in grey levels, before the last correction.
     pub residual_rms: f64,
     /// Root mean square of the residual over each cell, in grey levels; NaN where no point lies in the deformed image.
     pub cell_residuals: Vec<f64>,
-    /// Cells of which some points left the deformed image: there the displacement rests on less than the whole cell.
+    /// Cells with points outside the deformed image. Their displacement is measured on the other points only.
     pub outside_cells: Vec<usize>,
     /// Number of quadrature points.
     pub num_points: usize,

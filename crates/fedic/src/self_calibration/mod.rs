@@ -43,7 +43,7 @@ pub use error::SelfCalibrationError;
 pub use motion::{MotionKind, RIGID};
 pub use options::SelfCalibrationOptions;
 
-use crate::correlator::thread_pool;
+use crate::parallel::thread_pool;
 use crate::self_calibration::solve::solve;
 use crate::{Error, Monitor};
 

@@ -14,7 +14,7 @@ use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::sums::Sums;
 use crate::self_calibration::view::{Frames, View};
 use crate::self_calibration::{SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, statistics};
-use crate::{Error, Gradient, Iteration, Monitor, Sampler};
+use crate::{Error, Gradient, Iteration, Monitor, ImageSampler};
 
 /// Reduced images that the iterations start on, at most, and the smallest side of one in pixels.
 const LEVELS: usize = 3;
@@ -65,12 +65,12 @@ pub(crate) fn solve(
     let mut history = Vec::new();
     start_on_reduced_images(&problem, images, camera, options.density, &mut state, &mut history, monitor)?;
 
-    let sample = |filter: fn(ImageView<'_>, Interpolation, Gradient, f64) -> Result<Sampler, ImageError>| {
+    let sample = |filter: fn(ImageView<'_>, Interpolation, Gradient, f64) -> Result<ImageSampler, ImageError>| {
         let sample = |view: &ImageView<'_>| filter(*view, options.interpolation, Gradient::Analytic, options.smoothing);
         images.iter().map(sample).collect::<Result<Vec<_>, _>>()
     };
     let margin = MARGIN + MARGIN_DEVIATIONS * options.smoothing;
-    let frames = Frames { samplers: sample(Sampler::new)?, size, factor: 1.0, margin };
+    let frames = Frames { samplers: sample(ImageSampler::new)?, size, factor: 1.0, margin };
     let view = View::new(&problem, frames, camera, options.density)?;
     let limits = Limits { level: 0, tolerance: options.tolerance, max_iterations: options.max_iterations };
     let (sums, sighting, converged) = iterate(&problem, &view, &mut state, &limits, &mut history, monitor)?;
@@ -82,7 +82,7 @@ pub(crate) fn solve(
     let averaged = (4.0 * PI * options.smoothing.powi(2)).max(PIXELS_INTERPOLATED);
     let num_points = view.num_points();
     // A filter smooths the noise before it is gathered: that is to gather it with the gradient filtered once more.
-    let view = if options.smoothing > 0.0 { view.with_samplers(sample(Sampler::filtered_twice)?) } else { view };
+    let view = if options.smoothing > 0.0 { view.with_samplers(sample(ImageSampler::smoothed_twice)?) } else { view };
     let gathered = view.sums(&state, &sighting, |pixels| pixels * (pixels / averaged).max(1.0), monitor)?;
     let residual_rms = sums.variance().sqrt();
     let noise = options.noise.unwrap_or(residual_rms * averaged.sqrt());
@@ -139,7 +139,7 @@ fn start_on_reduced_images(
     }
     for (index, images) in levels.iter().enumerate().rev() {
         let level = index + 1;
-        let sample = |image: &Image| Sampler::new(image.view(), Interpolation::Bspline3, Gradient::Analytic, 0.0);
+        let sample = |image: &Image| ImageSampler::new(image.view(), Interpolation::Bspline3, Gradient::Analytic, 0.0);
         let samplers = images.par_iter().map(sample).collect::<Result<Vec<_>, _>>()?;
         let size = [images[0].width(), images[0].height()];
         let frames = Frames { samplers, size, factor: 0.5_f64.powi(level as i32), margin: MARGIN };

@@ -11,7 +11,7 @@ use crate::self_calibration::motion::{Motion, MotionKind};
 use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::sums::Sums;
 use crate::self_calibration::view::{Frames, View};
-use crate::{Gradient, Sampler};
+use crate::{Gradient, ImageSampler};
 use fedic_synthetic::Speckle;
 
 const SIZE: [usize; 2] = [150, 120];
@@ -75,7 +75,7 @@ fn truth() -> State {
 }
 
 fn view<'a>(problem: &'a Problem<'a>) -> View<'a> {
-    let sample = |index| Sampler::new(image(index).view(), Interpolation::Bspline5, Gradient::Analytic, 0.0).unwrap();
+    let sample = |index| ImageSampler::new(image(index).view(), Interpolation::Bspline5, Gradient::Analytic, 0.0).unwrap();
     let frames = Frames { samplers: (0..MOTIONS.len()).map(sample).collect(), size: SIZE, factor: 1.0, margin: 6.0 };
     View::new(problem, frames, &camera(), 0.2).unwrap()
 }

@@ -6,19 +6,19 @@ use std::sync::Arc;
 use fedic_camera::{Camera, Pinhole, Scaled};
 use fedic_mesh::{Rule, jacobian, map};
 
-use crate::equations::parallel::for_each_cell;
+use crate::parallel::for_each_in_order;
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::rows::{BATCH, Rows, Sight, Sights};
 use crate::self_calibration::sums::Sums;
-use crate::{Error, Monitor, Quadrature, Sampler};
+use crate::{Error, Monitor, Quadrature, ImageSampler};
 
 /// Points per parallel task.
 const TASK: usize = 4096;
 
 /// The images of one level.
 pub(crate) struct Frames {
-    pub(crate) samplers: Vec<Sampler>,
+    pub(crate) samplers: Vec<ImageSampler>,
     /// Columns and rows.
     pub(crate) size: [usize; 2],
     /// Pixels of this level per pixel of the images.
@@ -46,7 +46,7 @@ impl<'a> View<'a> {
     }
 
     /// The same points of other images.
-    pub(crate) fn with_samplers(mut self, samplers: Vec<Sampler>) -> Self {
+    pub(crate) fn with_samplers(mut self, samplers: Vec<ImageSampler>) -> Self {
         self.frames.samplers = samplers;
         self
     }
@@ -69,10 +69,10 @@ impl<'a> View<'a> {
             let count = self.quadrature.range(cell).len();
             (0..count).step_by(TASK).map(move |first| (cell, first..count.min(first + TASK)))
         });
-        for_each_cell(
+        for_each_in_order(
             parts,
             monitor,
-            |_, _, (cell, points)| self.of_part([state, sighting], cell, points, &weigh),
+            |_: &mut (), _, (cell, points)| self.of_part([state, sighting], cell, points, &weigh),
             |_, sums| total.add_sums(&sums),
         )?;
         Ok(total)
@@ -88,7 +88,7 @@ impl<'a> View<'a> {
     ) -> Sums {
         let mesh = self.problem.mesh;
         let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
-        let part_area = self.quadrature.part_area(cell);
+        let part_area = self.quadrature.point_area(cell);
         let mut sums = Sums::zeros(self.problem.layout());
         let mut rows = Rows::new(self.problem);
         let (mut xi, mut eta) = ([0.0; BATCH], [0.0; BATCH]);

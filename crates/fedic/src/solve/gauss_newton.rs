@@ -1,83 +1,72 @@
-//! Gauss-Newton iterations on one level.
+//! Gauss-Newton iterations on a sum of terms.
 
-use crate::equations::image_term::{Evaluation, Evaluator};
-use crate::projection::projected_points::Sight;
-use crate::{COMPONENTS, Error, Hessian, Iteration, Monitor, Progress, SolveError, Stage};
+use crate::equations::basis::Basis;
+use crate::equations::term::{Term, TermReport};
+use crate::results::solution::Iteration;
+use crate::{Error, Hessian, Monitor, Progress, SolveError, Stage};
 
-/// Pixels that a mesh may move before its polynomials are compared with the camera again.
-const UNCHECKED: f64 = 1.0;
-
-/// How the iterations run on a level.
-pub(crate) struct Iterations {
+/// Stopping criterion and options of the iterations.
+pub(crate) struct GaussNewton {
+    /// Level of the pyramid, 0 for the full resolution.
     pub(crate) level: usize,
     pub(crate) hessian: Hessian,
-    /// In pixels of the level's own image.
+    /// Largest increment at which the iterations stop, in pixels of the level.
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
-    /// Larger side of the level's image: no correction can be larger.
-    pub(crate) largest_correction: f64,
+    /// Increment in pixels from which on the iterations have diverged: the larger side of the image.
+    pub(crate) max_increment: f64,
 }
 
-/// Where the iterations ended.
-pub(crate) struct Outcome {
-    pub(crate) displacement: Vec<[f64; COMPONENTS]>,
+/// End of the iterations.
+pub(crate) struct Outcome<const D: usize> {
+    pub(crate) displacement: Vec<[f64; D]>,
     pub(crate) converged: bool,
-    /// At the displacement before the last correction.
-    pub(crate) evaluation: Evaluation,
+    /// Report of each term at the displacement before the last increment.
+    pub(crate) reports: Vec<TermReport>,
 }
 
-impl Iterations {
-    /// Minimises the residual from `displacement` on and appends every iteration to `history`.
-    pub(crate) fn run(
+impl GaussNewton {
+    /// Minimises the sum of `terms` over the fields of `basis` from `displacement` on, and appends every iteration to `history`.
+    ///
+    /// Each term with an image measures an increment in its own pixels; the largest over all terms decides.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::Diverged`] with node numbers of the mesh of the terms, [`SolveError::Singular`], or the errors of a term.
+    pub(crate) fn run<const D: usize>(
         &self,
-        evaluator: &Evaluator<'_>,
-        mut displacement: Vec<[f64; COMPONENTS]>,
+        terms: &mut [&mut dyn Term<D>],
+        basis: &mut dyn Basis<D>,
+        mut displacement: Vec<[f64; D]>,
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
-    ) -> Result<Outcome, Error> {
-        let (system, level) = (evaluator.system, evaluator.level);
-        let mut brightness = evaluator.first_correction(&displacement, monitor)?;
-        let (mut followed, mut moved) = (None::<Vec<bool>>, 0.0);
+    ) -> Result<Outcome<D>, Error> {
         let mut iteration = 0;
         loop {
             iteration += 1;
-            let with_hessian = self.hessian == Hessian::Updated;
-            let mut evaluation =
-                evaluator.evaluate(&displacement, brightness, followed.as_deref(), with_hessian, monitor)?;
-            brightness = evaluation.correction;
-            let mut step = std::mem::take(&mut evaluation.right_hand_side);
-            if let Some(penalty) = level.penalty {
-                let pull = system.laplacian().matrix.multiply(&system.pattern, displacement.as_flattened());
-                step.iter_mut().zip(pull).for_each(|(b, pull)| *b -= penalty * pull);
+            basis.linearize(&displacement);
+            let mut equations = basis.equations(self.hessian == Hessian::Updated);
+            let mut reports = Vec::with_capacity(terms.len());
+            for term in terms.iter_mut() {
+                reports.push(term.assemble(&displacement, basis, &mut equations, monitor)?);
             }
-            match &mut evaluation.hessian {
-                Some(hessian) => {
-                    if let Some(penalty) = level.penalty {
-                        hessian.add_scaled(penalty, &system.laplacian().matrix);
-                    }
-                    system.factorize(hessian, false, &level.quadrature)?.solve(&mut step);
-                }
-                None => level.factor.solve(&mut step),
+            let increment = basis.solve(equations)?;
+            let lengths = pixel_lengths(terms, &increment);
+            let largest = lengths.iter().copied().fold(0.0, f64::max);
+            if lengths.iter().any(|&length| self.is_too_large(length)) {
+                return Err(self.diverged(iteration, &lengths).into());
             }
-            let step = step.as_chunks::<COMPONENTS>().0;
-            let corrections = corrections(&evaluation.views, step);
-            let correction = corrections.iter().copied().fold(0.0, f64::max);
-            if corrections.iter().any(|&c| self.is_too_large(c)) {
-                return Err(self.diverged(evaluator, iteration, &corrections));
-            }
-            moved = if followed.is_some() { moved + correction } else { correction };
-            followed = (moved <= UNCHECKED).then(|| std::mem::take(&mut evaluation.followed));
-            for (u, step) in displacement.iter_mut().zip(step) {
-                for (u, step) in u.iter_mut().zip(step) {
-                    *u += step;
+            for (u, increment) in displacement.iter_mut().zip(&increment) {
+                for (u, increment) in u.iter_mut().zip(increment) {
+                    *u += increment;
                 }
             }
             let scale = f64::from(1_u32 << self.level);
             let done = Iteration {
                 level: self.level,
                 iteration,
-                correction: correction * scale,
-                residual_rms: evaluation.residual_rms,
+                correction: largest * scale,
+                residual_rms: residual_rms(&reports),
             };
             history.push(done);
             monitor.progress(&Progress {
@@ -87,30 +76,39 @@ impl Iterations {
                 correction: done.correction,
                 residual_rms: done.residual_rms,
             });
-            let converged = correction <= self.tolerance;
+            let converged = largest <= self.tolerance;
             if converged || iteration == self.max_iterations {
-                return Ok(Outcome { displacement, converged, evaluation });
+                return Ok(Outcome { displacement, converged, reports });
             }
         }
     }
 
-    fn is_too_large(&self, correction: f64) -> bool {
-        correction.is_nan() || correction > self.largest_correction
+    fn is_too_large(&self, length: f64) -> bool {
+        length.is_nan() || length > self.max_increment
     }
 
-    fn diverged(&self, evaluator: &Evaluator<'_>, iteration: usize, corrections: &[f64]) -> Error {
-        let moved = |&node: &usize| self.is_too_large(corrections[node]);
-        let nodes = evaluator.system.user_nodes((0..corrections.len()).filter(moved).collect());
-        let correction = corrections.iter().copied().fold(0.0, |m: f64, c| if c.is_nan() { c } else { m.max(c) });
-        SolveError::Diverged { iteration, nodes, correction }.into()
+    fn diverged(&self, iteration: usize, lengths: &[f64]) -> SolveError {
+        let nodes = (0..lengths.len()).filter(|&node| self.is_too_large(lengths[node])).collect();
+        let correction = lengths.iter().copied().fold(0.0, |m: f64, c| if c.is_nan() { c } else { m.max(c) });
+        SolveError::Diverged { iteration, nodes, correction }
     }
 }
 
-/// Length in pixels of the correction of each node.
-pub(crate) fn corrections(views: &[Sight], step: &[[f64; COMPONENTS]]) -> Vec<f64> {
-    let length = |(view, step): (&Sight, &[f64; COMPONENTS])| {
-        let [du, dv] = view.jacobian.map(|row| row.iter().zip(step).map(|(j, s)| j * s).sum::<f64>());
-        (du * du + dv * dv).sqrt()
-    };
-    views.iter().zip(step).map(length).collect()
+/// Length in pixels of an increment at each node: the largest over the terms with an image.
+pub(crate) fn pixel_lengths<const D: usize>(terms: &mut [&mut dyn Term<D>], increment: &[[f64; D]]) -> Vec<f64> {
+    let mut all = terms.iter_mut().filter_map(|term| term.pixel_lengths(increment));
+    let mut largest = all.next().unwrap_or_default();
+    for lengths in all {
+        // A NaN stays.
+        largest.iter_mut().zip(lengths).for_each(|(a, b)| *a = if a.is_nan() || *a >= b { *a } else { b });
+    }
+    largest
+}
+
+/// Root mean square of the residual over all terms with an image.
+pub(crate) fn residual_rms(reports: &[TermReport]) -> f64 {
+    let images = || reports.iter().filter(|report| report.weight > 0.0);
+    let cost: f64 = images().map(|report| report.cost).sum();
+    let weight: f64 = images().map(|report| report.weight).sum();
+    (cost / weight).sqrt()
 }

@@ -1,4 +1,10 @@
-pub(crate) mod cell_subset;
+//! Minimisation of a sum of terms: Gauss-Newton iterations, bases of the displacement, and starts.
+//!
+//! May import: quadrature, kernels, projection, interpolation, observation, equations, results.
+
+pub(crate) mod basis;
 pub(crate) mod gauss_newton;
-pub(crate) mod pyramid;
-pub(crate) mod smooth_start;
+pub(crate) mod level;
+pub(crate) mod start;
+#[cfg(test)]
+mod tests;

@@ -1,49 +1,41 @@
-//! What depends on the mesh alone: its nodes, the pattern of the system and the symbolic factorisation.
-
-use std::sync::OnceLock;
+//! Nodal unknowns of a mesh: sparsity pattern, symbolic factorisation, and the map to the nodes of the user's mesh.
 
 use fedic_mesh::Mesh;
 use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SymmetricMatrix};
 
-use crate::equations::tikhonov::Laplacian;
+use crate::{Error, SolveError};
 use crate::quadrature::cell_quadrature::CellQuadrature;
-use crate::{COMPONENTS, SolveError};
 
-/// The mesh without unused nodes, and its system.
+/// The mesh without unused nodes, and its unknowns: `D` at each node.
 #[derive(Debug, Clone)]
-pub(crate) struct System {
+pub(crate) struct Dofs<const D: usize> {
     pub(crate) mesh: Mesh,
     pub(crate) pattern: Pattern,
     cholesky: Cholesky,
     /// Index in the user's mesh of each node kept.
     kept: Vec<u32>,
     num_user_nodes: usize,
-    laplacian: OnceLock<Laplacian>,
 }
 
-impl System {
+impl<const D: usize> Dofs<D> {
+    /// Orders the unknowns of a mesh and factorises their pattern.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.compact();
-        let pattern = Pattern::new(mesh.num_nodes(), COMPONENTS, mesh.cells().map(|cell| cell.nodes));
+        let pattern = Pattern::new(mesh.num_nodes(), D, mesh.cells().map(|cell| cell.nodes));
         let cholesky = Cholesky::of_mesh(&pattern, mesh.points())
             .map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
-        Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes(), laplacian: OnceLock::new() })
+        Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes() })
     }
 
-    /// The matrix that smooths the displacement, assembled when first needed.
-    pub(crate) fn laplacian(&self) -> &Laplacian {
-        self.laplacian.get_or_init(|| Laplacian::new(&self.mesh, &self.pattern))
-    }
-
-    /// Adds what the nodes of a cell receive to a vector of all unknowns.
-    pub(crate) fn add_to_nodes(&self, cell: usize, sums: &[[f64; COMPONENTS]], vector: &mut [f64]) {
-        let nodes = vector.as_chunks_mut::<COMPONENTS>().0;
-        for (&node, sums) in self.pattern.cell(cell).iter().zip(sums) {
-            nodes[node as usize].iter_mut().zip(sums).for_each(|(b, sum)| *b += sum);
-        }
-    }
-
-    /// Factorises a Hessian, `compact` if the factor is to be kept and to be small; where it is singular, names the nodes.
+    /// Factorises a Hessian, in single precision if `compact`.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::Singular`], which names the nodes, or [`SolveError::TooLarge`].
     pub(crate) fn factorize(
         &self,
         matrix: &SymmetricMatrix,
@@ -57,13 +49,17 @@ impl System {
                 SparseError::NonFinite => (0..self.pattern.num_dofs()).collect(),
                 SparseError::TooLarge { dofs } => return SolveError::TooLarge { dofs },
             };
-            let mut nodes: Vec<usize> = dofs.into_iter().map(|dof| dof / COMPONENTS).collect();
+            let mut nodes: Vec<usize> = dofs.into_iter().map(|dof| dof / D).collect();
             nodes.dedup();
             self.undetermined(nodes, quadrature)
         })
     }
 
-    /// Refuses a mesh with nodes all of whose cells are flat; `is_flat` says so of each cell.
+    /// Refuses a mesh with nodes all of whose cells are flat, as given by `is_flat` for each cell.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::Singular`], which names the nodes.
     pub(crate) fn check_texture(&self, is_flat: &[bool], quadrature: &CellQuadrature) -> Result<(), SolveError> {
         let mut textured = vec![false; self.mesh.num_nodes()];
         for (cell, &flat) in self.mesh.cells().zip(is_flat) {
@@ -75,7 +71,7 @@ impl System {
         if nodes.is_empty() { Ok(()) } else { Err(self.undetermined(nodes, quadrature)) }
     }
 
-    /// The error that names nodes (increasing) and the poorest of their cells.
+    /// The error that names nodes, in increasing order, and the cell with the fewest points among theirs.
     fn undetermined(&self, nodes: Vec<usize>, quadrature: &CellQuadrature) -> SolveError {
         let touches =
             |cell: usize| self.mesh.cell(cell).nodes.iter().any(|&node| nodes.binary_search(&(node as usize)).is_ok());
@@ -85,18 +81,32 @@ impl System {
             .unwrap_or_default();
         SolveError::Singular {
             points: quadrature.range(poorest).len(),
-            unknowns: self.mesh.cell(poorest).nodes.len() * COMPONENTS,
+            unknowns: self.mesh.cell(poorest).nodes.len() * D,
             nodes: self.user_nodes(nodes),
         }
     }
 
-    /// Indices in the user's mesh of nodes of this one.
+    /// Indices in the user's mesh of some nodes.
     pub(crate) fn user_nodes(&self, nodes: Vec<usize>) -> Vec<usize> {
         nodes.into_iter().map(|node| self.kept[node] as usize).collect()
     }
 
-    /// A field on the user's nodes, restricted to those a cell uses.
-    pub(crate) fn restrict(&self, field: &[[f64; COMPONENTS]]) -> Result<Vec<[f64; COMPONENTS]>, SolveError> {
+    /// Replaces node numbers of this mesh in an error by those of the user's mesh.
+    pub(crate) fn in_user_nodes(&self, error: Error) -> Error {
+        match error {
+            Error::Solve(SolveError::Diverged { iteration, nodes, correction }) => {
+                SolveError::Diverged { iteration, nodes: self.user_nodes(nodes), correction }.into()
+            }
+            other => other,
+        }
+    }
+
+    /// Restricts a field on the nodes of the user's mesh to the nodes kept.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::InvalidStart`] if it does not have one finite value per node.
+    pub(crate) fn restrict(&self, field: &[[f64; D]]) -> Result<Vec<[f64; D]>, SolveError> {
         let refuse = |found| Err(SolveError::InvalidStart { expected: self.num_user_nodes, found });
         if field.len() != self.num_user_nodes {
             return refuse(format!("{} entries were given", field.len()));
@@ -108,9 +118,9 @@ impl System {
         }
     }
 
-    /// A field on the used nodes, extended by NaN to the user's others.
-    pub(crate) fn extend(&self, field: &[[f64; COMPONENTS]]) -> Vec<[f64; COMPONENTS]> {
-        let mut all = vec![[f64::NAN; COMPONENTS]; self.num_user_nodes];
+    /// Extends a field to all nodes of the user's mesh, by NaN.
+    pub(crate) fn extend(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
+        let mut all = vec![[f64::NAN; D]; self.num_user_nodes];
         for (&node, value) in self.kept.iter().zip(field) {
             all[node as usize] = *value;
         }

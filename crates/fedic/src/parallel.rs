@@ -1,22 +1,27 @@
-//! Parallel work over cells whose results are gathered in the order of the cells.
+//! Parallel loop over cells, and thread pools.
 
 use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::observation::workspace::Work;
-use crate::{Error, Monitor};
+use crate::{Error, Monitor, SolveError};
 
-/// Cells between two questions whether to stop; bounds the results kept at once.
+/// Number of cells whose results are kept at once.
 const BLOCK: usize = 2048;
-/// Cells per task at the least.
+/// Smallest number of cells per task.
 const GRAIN: usize = 8;
 
-/// Runs `work` on every cell in parallel, each with an item of its own, and `gather` on its results one after the other, in the
-/// order of the cells: what is gathered does not depend on the number of threads. One block is gathered while the next is
-/// worked on.
-pub(crate) fn for_each_cell<I: Send, T: Send>(
+/// Runs `work` on every item in parallel and passes the results to `gather` one after the other, in the order of the items.
+///
+/// `work` gets scratch buffers of its thread, the index of the item and the item. What `gather` computes does not depend on the
+/// number of threads. One block of results is gathered while the next is computed.
+///
+/// # Errors
+///
+/// [`Error::Cancelled`] if `monitor` asks to stop.
+pub(crate) fn for_each_in_order<S: Default, I: Send, T: Send>(
     items: impl IntoIterator<Item = I>,
     monitor: &dyn Monitor,
-    work: impl Fn(&mut Work, usize, I) -> T + Sync,
+    work: impl Fn(&mut S, usize, I) -> T + Sync,
     mut gather: impl FnMut(usize, T) + Send,
 ) -> Result<(), Error> {
     let mut items = items.into_iter();
@@ -30,7 +35,7 @@ pub(crate) fn for_each_cell<I: Send, T: Send>(
                 .into_par_iter()
                 .enumerate()
                 .with_min_len(GRAIN)
-                .map_init(Work::new, |scratch, (index, item)| {
+                .map_init(S::default, |scratch, (index, item)| {
                     (!monitor.cancelled()).then(|| work(scratch, first + index, item))
                 })
                 .collect_into_vec(&mut results);
@@ -49,4 +54,17 @@ pub(crate) fn for_each_cell<I: Send, T: Send>(
         std::mem::swap(&mut results, &mut done);
         first += count;
     }
+}
+
+/// A thread pool of a given size.
+///
+/// # Errors
+///
+/// [`SolveError::InvalidOption`] if the threads cannot be started.
+pub(crate) fn thread_pool(num_threads: usize) -> Result<ThreadPool, SolveError> {
+    ThreadPoolBuilder::new().num_threads(num_threads).build().map_err(|_| SolveError::InvalidOption {
+        option: "num_threads",
+        expected: "a number of threads that this machine can start",
+        value: num_threads.to_string(),
+    })
 }

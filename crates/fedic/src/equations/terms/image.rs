@@ -1,0 +1,312 @@
+//! Image term of one observation: the squared grey-level residual between the reference and the deformed image.
+
+use fedic_image::Interpolator;
+use fedic_mesh::{MAX_NODES, Mesh};
+
+use crate::equations::basis::Basis;
+use crate::equations::normal_equations::{CellEquations, CellShare, NormalEquations};
+use crate::equations::term::{Term, TermReport};
+use crate::interpolation::cell_prefetch::CellPrefetch;
+use crate::kernels::cell_matrix::CellMatrix;
+use crate::kernels::node_sums::add_node_sums;
+use crate::kernels::residual::{GreyLevels, weighted_residuals};
+use crate::observation::cell_context::CellContext;
+use crate::observation::deformed_pass::{DeformedCell, read_deformed};
+use crate::observation::observe::Observation;
+use crate::observation::photometry::{FLAT, GainOffset, Moments};
+use crate::observation::workspace::Workspace;
+use crate::parallel::for_each_in_order;
+use crate::projection::cell_projection::CellProjection;
+use crate::projection::polynomial_basis::PolynomialBasis;
+use crate::projection::projected_points::{ProjectedPoint, project_nodes};
+use crate::{Brightness, Error, Monitor};
+
+/// Motion in pixels up to which the polynomials of the cells are not compared with the camera again.
+const UNCHECKED_MOTION: f64 = 1.0;
+
+/// The image term of one observation and one deformed image.
+pub(crate) struct ImageTerm<'a, const D: usize> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) observation: &'a Observation<D>,
+    pub(crate) deformed: &'a Interpolator,
+    pub(crate) brightness: Brightness,
+    /// Cells that the term is restricted to; `None` for all.
+    subset: Option<&'a [usize]>,
+    /// Gain and offset over the mesh, as found last. Grey levels are counted from the origin of the observation.
+    gain_offset: GainOffset,
+    /// Nodes at the displacement assembled last.
+    nodes: Vec<ProjectedPoint>,
+    polynomials: AcceptedPolynomials,
+}
+
+/// Cells whose polynomial was found accurate, and the motion since.
+#[derive(Default)]
+struct AcceptedPolynomials {
+    /// Found in the last pass.
+    found: Vec<bool>,
+    /// Valid for the next pass, if the motion is small.
+    valid: Option<Vec<bool>>,
+    /// Pixels moved since the polynomials were compared with the camera.
+    motion: f64,
+}
+
+/// Result of one cell.
+struct CellResult<S> {
+    share: S,
+    /// Sum of `w r^2`.
+    squares: f64,
+    moments: Moments,
+    accepted: bool,
+    outside: bool,
+}
+
+impl<'a, const D: usize> ImageTerm<'a, D> {
+    /// The term over all cells, without change of brightness to begin with.
+    pub(crate) fn new(
+        mesh: &'a Mesh,
+        observation: &'a Observation<D>,
+        deformed: &'a Interpolator,
+        brightness: Brightness,
+    ) -> Self {
+        Self {
+            mesh,
+            observation,
+            deformed,
+            brightness,
+            subset: None,
+            gain_offset: GainOffset::IDENTITY,
+            nodes: Vec::new(),
+            polynomials: AcceptedPolynomials::default(),
+        }
+    }
+
+    /// Restricts the term to some cells.
+    pub(crate) fn restricted_to(mut self, cells: &'a [usize]) -> Self {
+        self.subset = Some(cells);
+        self
+    }
+
+    /// Gain and offset over the mesh, as found last, of grey levels counted from zero.
+    pub(crate) fn gain_offset(&self) -> GainOffset {
+        self.gain_offset.counted_from_zero(f64::from(self.observation.grey_origin))
+    }
+
+    /// Estimates gain and offset over the mesh from some of its cells.
+    ///
+    /// Those over all cells are known only at the end of a pass. A pass uses those found before, and the right-hand side is brought
+    /// to those of the pass to first order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`] if `monitor` asks to stop.
+    pub(crate) fn estimate_gain_offset(
+        &mut self,
+        displacement: &[[f64; D]],
+        cells: &[usize],
+        monitor: &dyn Monitor,
+    ) -> Result<(), Error> {
+        self.gain_offset = GainOffset::IDENTITY;
+        if self.brightness != Brightness::Global {
+            return Ok(());
+        }
+        let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
+        let mut moments = Moments::default();
+        for_each_in_order(
+            cells.iter().copied(),
+            monitor,
+            |workspace: &mut Workspace<D>, index, cell| {
+                let next = CellPrefetch::new(self.deformed, self.mesh, cells.get(index + 1).copied(), &nodes);
+                let projection = CellProjection::new(self.mesh, cell, &nodes, self.observation.camera.as_ref());
+                let context = self.context(cell, projection);
+                read_deformed(self.observation, self.deformed, workspace, &context, next.as_ref()).moments
+            },
+            |_, cell| moments.add(&cell),
+        )?;
+        self.gain_offset = self.found_gain_offset(&moments);
+        Ok(())
+    }
+
+    /// Evaluates the term at a displacement, for its report and its gain and offset alone.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Term::assemble`].
+    pub(crate) fn evaluate(
+        &mut self,
+        displacement: &[[f64; D]],
+        basis: &dyn Basis<D>,
+        monitor: &dyn Monitor,
+    ) -> Result<TermReport, Error> {
+        self.assemble(displacement, basis, &mut basis.equations(false), monitor)
+    }
+
+    fn context<'b>(&'b self, cell: usize, projection: CellProjection<'b, D>) -> CellContext<'b, D> {
+        CellContext {
+            cell,
+            cell_type: self.mesh.cell(cell).cell_type,
+            quadrature: &self.observation.quadrature,
+            camera: self.observation.camera.as_ref(),
+            projection,
+        }
+    }
+
+    fn found_gain_offset(&self, moments: &Moments) -> GainOffset {
+        match self.brightness {
+            Brightness::Global => moments.gain_offset(),
+            Brightness::None | Brightness::Element => GainOffset::IDENTITY,
+        }
+    }
+
+    /// Change of the right-hand side, to first order, from one gain and offset to another.
+    ///
+    /// The right-hand side is linear in the gain, through the deformed image, and in the offset. The deformed image is nearly the
+    /// reference image seen through the first gain and offset.
+    fn photometric_change(&self, from: GainOffset, to: GainOffset) -> Vec<f64> {
+        let gain = (to.gain - from.gain) / from.gain;
+        let offset = to.offset - from.offset - gain * from.offset;
+        let [of_gain, of_offset] = &self.observation.photometric;
+        of_gain.iter().zip(of_offset).map(|(image, one)| gain * image + offset * one).collect()
+    }
+
+    /// Reads a cell of the deformed image and sums over its points.
+    fn evaluate_cell(
+        &self,
+        workspace: &mut Workspace<D>,
+        index: usize,
+        cell: usize,
+        nodes: &[ProjectedPoint],
+        with_hessian: bool,
+    ) -> CellResult<CellEquations<D>> {
+        let (mesh, observation) = (self.mesh, self.observation);
+        let camera = observation.camera.as_ref();
+        let (next, projection) = match self.subset {
+            None => {
+                let accepted = self.polynomials.valid.as_deref();
+                (Some(cell + 1), workspace.projections.project(mesh, cell, nodes, camera, accepted))
+            }
+            Some(cells) => (cells.get(index + 1).copied(), CellProjection::new(mesh, cell, nodes, camera)),
+        };
+        let next = CellPrefetch::new(self.deformed, mesh, next, nodes);
+        let context = self.context(cell, projection);
+        let DeformedCell { moments, outside } =
+            read_deformed(observation, self.deformed, workspace, &context, next.as_ref());
+        next.iter().for_each(CellPrefetch::prefetch_lower_half);
+        let gain_offset = match self.brightness {
+            Brightness::Element => moments.gain_offset(),
+            Brightness::None | Brightness::Global => self.gain_offset,
+        };
+        let GainOffset { gain, offset } = gain_offset.counted_from_zero(f64::from(observation.grey_origin));
+        let samples = observation.samples.cell(cell);
+        let basis = PolynomialBasis::of(context.cell_type);
+        let mut sums = [[0.0; D]; MAX_NODES];
+        let mut squares = 0.0;
+        let mut matrix = with_hessian.then(|| CellMatrix::zeros(context.cell_type.num_nodes()));
+        let Workspace { projector, points: buffers, weighted, .. } = workspace;
+        let weights = if outside { Some(&*buffers.weights) } else { samples.weights };
+        context.for_each_chunk(&mut projector.shapes, |chunk, points| {
+            let weights = weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
+            let gradient = samples.gradient.part(points.clone());
+            context.sensitivity(chunk, samples.step, gradient, buffers.q.each_mut().map(|q| &mut q[points.clone()]));
+            let grey_levels = GreyLevels {
+                reference: &samples.value[points.clone()],
+                deformed: &buffers.grey[points.clone()],
+                weights,
+                gain_offset: [gain as f32, offset as f32],
+            };
+            let weighted = &mut weighted[..chunk.padded()];
+            squares += weighted_residuals(grey_levels, weighted);
+            let q = buffers.q.each_ref().map(|q| &q[points.clone()]);
+            add_node_sums(basis.shape_monomials(), chunk, q, weighted, &mut sums);
+            if let Some(matrix) = &mut matrix {
+                matrix.add(chunk, q, weights);
+            }
+        });
+        sums.as_flattened_mut().iter_mut().for_each(|sum| *sum *= samples.scale);
+        matrix.iter_mut().for_each(|matrix| matrix.scale(samples.scale));
+        CellResult {
+            share: CellEquations { sums, matrix },
+            squares: squares * samples.scale,
+            moments,
+            accepted: context.projection.polynomial.is_some(),
+            outside,
+        }
+    }
+}
+
+impl<const D: usize> Term<D> for ImageTerm<'_, D> {
+    fn assemble(
+        &mut self,
+        displacement: &[[f64; D]],
+        basis: &dyn Basis<D>,
+        equations: &mut NormalEquations,
+        monitor: &dyn Monitor,
+    ) -> Result<TermReport, Error> {
+        let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
+        let with_hessian = equations.hessian.is_some();
+        let num_cells = self.subset.map_or(self.mesh.num_cells(), <[usize]>::len);
+        let mut report = TermReport { cell_residuals: Vec::with_capacity(num_cells), ..TermReport::default() };
+        let mut accepted = Vec::with_capacity(num_cells);
+        let mut moments = Moments::default();
+        let cell_at = |index: usize| self.subset.map_or(index, |cells| cells[index]);
+        for_each_in_order(
+            0..num_cells,
+            monitor,
+            |workspace: &mut Workspace<D>, index, _| {
+                let cell = cell_at(index);
+                let result = self.evaluate_cell(workspace, index, cell, &nodes, with_hessian);
+                let share: CellShare<D> = basis.reduce(self.mesh.cell(cell).nodes, result.share);
+                CellResult {
+                    share,
+                    squares: result.squares,
+                    moments: result.moments,
+                    accepted: result.accepted,
+                    outside: result.outside,
+                }
+            },
+            |index, result| {
+                let cell = cell_at(index);
+                basis.add_cell(cell, &result.share, equations);
+                moments.add(&result.moments);
+                report.cost += result.squares;
+                report.cell_residuals.push((result.squares / result.moments.weight).sqrt());
+                accepted.push(result.accepted);
+                if result.outside {
+                    report.outside_cells.push(cell);
+                }
+            },
+        )?;
+        report.weight = moments.weight;
+        let found = self.found_gain_offset(&moments);
+        if self.subset.is_none() {
+            let std = moments.std_g();
+            if std.is_nan() || std <= FLAT {
+                return Err(Error::Flat { which: "deformed", std });
+            }
+            if self.brightness == Brightness::Global {
+                basis.add_vector(-1.0, &self.photometric_change(self.gain_offset, found), equations);
+            }
+        }
+        self.gain_offset = found;
+        self.polynomials.found = accepted;
+        self.nodes = nodes;
+        Ok(report)
+    }
+
+    fn pixel_lengths(&mut self, increment: &[[f64; D]]) -> Option<Vec<f64>> {
+        let length = |(node, increment): (&ProjectedPoint, &[f64; D])| {
+            let [du, dv] = node.jacobian.map(|row| row.iter().zip(increment).map(|(j, s)| j * s).sum::<f64>());
+            (du * du + dv * dv).sqrt()
+        };
+        let lengths: Vec<f64> = self.nodes.iter().zip(increment).map(length).collect();
+        self.polynomials.advance(lengths.iter().copied().fold(0.0, f64::max));
+        Some(lengths)
+    }
+}
+
+impl AcceptedPolynomials {
+    /// Takes note of a motion of the nodes by at most this many pixels.
+    fn advance(&mut self, motion: f64) {
+        self.motion = if self.valid.is_some() { self.motion + motion } else { motion };
+        self.valid = (self.motion <= UNCHECKED_MOTION).then(|| std::mem::take(&mut self.found));
+    }
+}

@@ -1,0 +1,6 @@
+//! Terms of the functional: the image term of each observation, and quadratic penalties.
+//!
+//! May import: quadrature, kernels, projection, interpolation, observation, equations.
+
+pub(crate) mod image;
+pub(crate) mod tikhonov;

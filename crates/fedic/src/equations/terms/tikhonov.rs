@@ -1,0 +1,123 @@
+//! Tikhonov regularisation: a penalty on the gradient of the displacement, set by a wavelength.
+
+use fedic_camera::Camera;
+use fedic_mesh::{Mesh, Subdivision, jacobian, shape_gradients};
+use fedic_sparse::SymmetricMatrix;
+
+use crate::equations::basis::Basis;
+use crate::equations::dofs::Dofs;
+use crate::equations::normal_equations::NormalEquations;
+use crate::equations::term::{Term, TermReport};
+use crate::{Error, Monitor};
+
+/// Number of subdivisions of each edge for the integrals over a cell.
+const SUBDIVISIONS: u32 = 8;
+
+/// `integral of grad N_i . grad N_j` for every component, and the area of the mesh.
+#[derive(Debug, Clone)]
+pub(crate) struct Laplacian {
+    matrix: SymmetricMatrix,
+    area: f64,
+}
+
+/// `factor / 2` times the squared gradient of the displacement, integrated over the mesh.
+pub(crate) struct Tikhonov<'a, const D: usize> {
+    pub(crate) dofs: &'a Dofs<D>,
+    pub(crate) laplacian: &'a Laplacian,
+    pub(crate) factor: f64,
+}
+
+impl<const D: usize> Term<D> for Tikhonov<'_, D> {
+    fn assemble(
+        &mut self,
+        displacement: &[[f64; D]],
+        basis: &dyn Basis<D>,
+        equations: &mut NormalEquations,
+        _monitor: &dyn Monitor,
+    ) -> Result<TermReport, Error> {
+        let displacement = displacement.as_flattened();
+        let gradient = self.laplacian.matrix.multiply(&self.dofs.pattern, displacement);
+        basis.add_vector(-self.factor, &gradient, equations);
+        self.add_hessian(basis, equations);
+        let energy: f64 = gradient.iter().zip(displacement).map(|(g, u)| g * u).sum();
+        Ok(TermReport { cost: self.factor * energy, ..TermReport::default() })
+    }
+}
+
+impl<const D: usize> Tikhonov<'_, D> {
+    /// Adds the Hessian of the penalty, which is constant.
+    pub(crate) fn add_hessian(&self, basis: &dyn Basis<D>, equations: &mut NormalEquations) {
+        basis.add_matrix(self.factor, &self.laplacian.matrix, equations);
+    }
+}
+
+impl Laplacian {
+    /// Assembles the matrix for the unknowns of `dofs`.
+    pub(crate) fn new<const D: usize>(dofs: &Dofs<D>) -> Self {
+        let mut matrix = SymmetricMatrix::zeros(&dofs.pattern);
+        let mut area = 0.0;
+        for cell in 0..dofs.mesh.num_cells() {
+            let (entries, cell_area) = cell_laplacian::<D>(&dofs.mesh, cell);
+            matrix.add_cell(&dofs.pattern, cell, &entries);
+            area += cell_area;
+        }
+        Self { matrix, area }
+    }
+
+    /// Adds `factor` times the matrix to a Hessian.
+    pub(crate) fn add_to(&self, factor: f64, hessian: &mut SymmetricMatrix) {
+        hessian.add_scaled(factor, &self.matrix);
+    }
+
+    /// Factor with which the penalty weighs as much as the image for a displacement of this wavelength, in pixels.
+    ///
+    /// A wave of wavelength `T` has a squared gradient of `(2 pi / T)^2` times its square; the Hessian gives that square the weight
+    /// `trace(M) / (D area)` on average.
+    pub(crate) fn factor_of_wavelength<const D: usize>(
+        &self,
+        mesh: &Mesh,
+        camera: &dyn Camera,
+        hessian_trace: f64,
+        wavelength: f64,
+    ) -> f64 {
+        let points = mesh.points();
+        let scale = points.iter().map(|&point| pixels_per_unit(camera, point)).sum::<f64>() / points.len() as f64;
+        let length = wavelength / scale;
+        let weight = hessian_trace / (D as f64 * self.area);
+        weight * (length / std::f64::consts::TAU).powi(2)
+    }
+}
+
+fn cell_laplacian<const D: usize>(mesh: &Mesh, cell: usize) -> (Vec<f64>, f64) {
+    let cell_type = mesh.cell(cell).cell_type;
+    let nodes = mesh.cell_points(cell);
+    let subdivision = Subdivision::uniform(cell_type, SUBDIVISIONS);
+    let size = nodes.len() * D;
+    let mut entries = vec![0.0; size * size];
+    let mut area = 0.0;
+    for at in subdivision.all_points() {
+        let j = jacobian(cell_type, &nodes, at);
+        let g = shape_gradients(cell_type, at);
+        // Metric of the surface: grad N_a . grad N_b = dN_a^T (J^T J)^-1 dN_b.
+        let dot = |p: usize, q: usize| j.iter().map(|row| row[p] * row[q]).sum::<f64>();
+        let (xx, xy, yy) = (dot(0, 0), dot(0, 1), dot(1, 1));
+        let det = xx * yy - xy * xy;
+        let weight = subdivision.subcell_area() * det.sqrt();
+        area += weight;
+        for a in 0..nodes.len() {
+            for b in 0..nodes.len() {
+                let product =
+                    yy * g[a][0] * g[b][0] - xy * (g[a][0] * g[b][1] + g[a][1] * g[b][0]) + xx * g[a][1] * g[b][1];
+                for c in 0..D {
+                    entries[(a * D + c) * size + b * D + c] += weight * product / det;
+                }
+            }
+        }
+    }
+    (entries, area)
+}
+
+fn pixels_per_unit(camera: &dyn Camera, point: [f64; 3]) -> f64 {
+    let (_, [[a, b, _], [c, d, _]]) = camera.project_with_jacobian(point);
+    (a * d - b * c).abs().sqrt()
+}

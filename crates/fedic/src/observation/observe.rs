@@ -1,0 +1,136 @@
+//! An observation: one camera and the samples of its reference image.
+
+use std::sync::Arc;
+
+use fedic_camera::Camera;
+use fedic_mesh::Mesh;
+
+use crate::interpolation::image_sampler::ImageSampler;
+use crate::observation::photometry::{FLAT, Moments};
+use crate::observation::reference_pass::{ReferencePass, ReferenceSums, typical_grey_level};
+use crate::observation::reference_samples::ReferenceSamples;
+use crate::observation::weights::cell_weights;
+use crate::observation::workspace::Workspace;
+use crate::parallel::for_each_in_order;
+use crate::projection::projected_points::project_nodes;
+use crate::quadrature::cell_quadrature::CellQuadrature;
+use crate::{Error, Monitor, Quadrature, SolveError};
+
+/// One camera and its reference image, sampled at the quadrature points of a mesh. The displacement has `D` components.
+pub(crate) struct Observation<const D: usize> {
+    pub(crate) camera: Arc<dyn Camera>,
+    /// Columns and rows of the image.
+    pub(crate) size: [usize; 2],
+    pub(crate) quadrature: CellQuadrature,
+    pub(crate) samples: ReferenceSamples,
+    /// Origin of the grey levels in moments.
+    pub(crate) grey_origin: f32,
+    /// Moments of the reference image over each cell.
+    pub(crate) moments: Vec<Moments>,
+    /// Derivatives of the right-hand side, but for the sign, with respect to a gain and an offset of the reference image, its grey
+    /// levels counted from the origin: `sum w N^T q f` and `sum w N^T q`, by unknown.
+    pub(crate) photometric: [Vec<f64>; 2],
+}
+
+/// How an observation is made.
+pub(crate) struct ObservationSettings {
+    pub(crate) quadrature: Quadrature,
+    /// Columns and rows of the image.
+    pub(crate) size: [usize; 2],
+    /// Whether a mesh that leaves the image is an error; otherwise its points outside are dropped.
+    pub(crate) require_full_coverage: bool,
+}
+
+impl<const D: usize> Observation<D> {
+    /// Samples `reference` at the quadrature points of `mesh` seen by `camera`. `collect` gets the sums over each cell, in the
+    /// order of the cells.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::MeshOutsideImage`], [`Error::Flat`], [`SolveError::TooManyPoints`] or [`Error::Cancelled`].
+    pub(crate) fn new(
+        mesh: &Mesh,
+        camera: Arc<dyn Camera>,
+        reference: ImageSampler,
+        settings: &ObservationSettings,
+        monitor: &dyn Monitor,
+        mut collect: impl FnMut(usize, &ReferenceSums<D>) + Send,
+    ) -> Result<Self, Error> {
+        let size = settings.size;
+        let [width, height] = size;
+        let refuse = |cells| Error::MeshOutsideImage { cells, num_cells: mesh.num_cells(), width, height };
+        if settings.require_full_coverage {
+            let cells = cells_outside(mesh, camera.as_ref(), size);
+            if !cells.is_empty() {
+                return Err(refuse(cells));
+            }
+        }
+        let quadrature = CellQuadrature::new(mesh, camera.as_ref(), settings.quadrature)?;
+        let num_points = quadrature.num_points();
+        let weights = cell_weights(mesh, &quadrature, !settings.require_full_coverage);
+        let mut samples =
+            ReferenceSamples::zeros(&quadrature, &weights).ok_or(SolveError::TooManyPoints { points: num_points })?;
+        let nodes = project_nodes::<D>(mesh, camera.as_ref(), None);
+        let grey_origin = typical_grey_level(&reference, &nodes);
+        let pass = ReferencePass {
+            mesh,
+            camera: camera.as_ref(),
+            quadrature: &quadrature,
+            image: &reference,
+            nodes: &nodes,
+            grey_origin,
+        };
+        let (mut moments, mut total) = (Vec::with_capacity(mesh.num_cells()), Moments::default());
+        let mut outside = Vec::new();
+        let mut photometric = [(); 2].map(|()| vec![0.0; mesh.num_nodes() * D]);
+        for_each_in_order(
+            samples.cells_mut(),
+            monitor,
+            |workspace: &mut Workspace<D>, cell, (samples, scale)| pass.sample_cell(workspace, cell, samples, scale),
+            |cell, sums| {
+                for (vector, sums) in photometric.iter_mut().zip(&sums.photometric) {
+                    add_to_nodes(mesh.cell(cell).nodes, sums, vector);
+                }
+                total.add(&sums.moments);
+                moments.push(sums.moments);
+                if sums.outside {
+                    outside.push(cell);
+                }
+                collect(cell, &sums);
+            },
+        )?;
+        // The prepared image is the largest allocation: freed before the factorisation needs memory.
+        drop(reference);
+        if settings.require_full_coverage && !outside.is_empty() {
+            return Err(refuse(outside));
+        }
+        let std = total.std_f();
+        if num_points > 0 && (std.is_nan() || std <= FLAT) {
+            return Err(Error::Flat { which: "reference", std });
+        }
+        Ok(Self { camera, size, quadrature, samples, grey_origin, moments, photometric })
+    }
+
+    /// Number of quadrature points.
+    pub(crate) fn num_points(&self) -> usize {
+        self.quadrature.num_points()
+    }
+}
+
+/// Adds the sums at the nodes of a cell to a vector of all unknowns.
+pub(crate) fn add_to_nodes<const D: usize>(nodes: &[u32], sums: &[[f64; D]], vector: &mut [f64]) {
+    let all = vector.as_chunks_mut::<D>().0;
+    for (&node, sums) in nodes.iter().zip(sums) {
+        all[node as usize].iter_mut().zip(sums).for_each(|(b, sum)| *b += sum);
+    }
+}
+
+/// Cells with a node outside the image. Checked before anything is allocated: a camera in the wrong unit would ask for more
+/// quadrature points than there is memory.
+fn cells_outside(mesh: &Mesh, camera: &dyn Camera, size: [usize; 2]) -> Vec<usize> {
+    let inside = |&point: &[f64; 3]| {
+        camera.project(point).iter().zip(size).all(|(&c, size)| c >= -0.5 && c <= size as f64 - 0.5)
+    };
+    let inside: Vec<bool> = mesh.points().iter().map(inside).collect();
+    (0..mesh.num_cells()).filter(|&cell| mesh.cell(cell).nodes.iter().any(|&node| !inside[node as usize])).collect()
+}
