@@ -154,7 +154,7 @@ class Correlator:
         solution = self._core.correlate(
             deformed,
             initial=start if isinstance(start, np.ndarray) else None,
-            pyramid=self._reference if isinstance(start, str) else None,
+            pyramid=isinstance(start, str),
             progress=progress,
         )
         places = self._mesh.points.copy()
@@ -190,7 +190,7 @@ class Correlator:
             ``f - g`` of the images as smoothed, after the brightness correction, in grey levels; NaN at pixels whose
             centre lies outside the mesh.
         """
-        return self._core.residual_map(self._reference, as_pair(self._reference, deformed), displacement)
+        return self._core.residual_map(as_pair(self._reference, deformed), displacement)
 
     def standard_deviations(self, noise: float) -> Floats:
         """Predict the standard deviation of the displacement from the noise of the images.
@@ -241,7 +241,7 @@ class Correlator:
         These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The cost is one
         solution of the system per unknown, shared by the threads.
         """
-        return self._core.standard_deviations(self._reference, noise)
+        return self._core.standard_deviations(noise)
 
 
 def correlate(

@@ -1,6 +1,7 @@
 //! The correlator and its solution.
 
 use std::str::FromStr;
+use std::sync::Arc;
 
 use fedic::{Brightness, Gradient, Hessian, Interpolation, Iteration, Options, Quadrature, Rule, Start};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -9,18 +10,16 @@ use pyo3::prelude::*;
 use crate::arrays::{rows, to_array};
 use crate::camera::any_camera;
 use crate::errors::{IntoPyErr, mesh_error, solve_error};
-use crate::image::GreyArray;
+use crate::image::{GreyArray, ReferenceImage};
 use crate::mesh::Mesh;
 use crate::worker::run;
 
-const REFERENCE: &str = "the reference image";
 const DEFORMED: &str = "the deformed image";
 
 /// A reference image prepared on a mesh; see `fedic.Correlator`.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Correlator {
     inner: fedic::Correlator,
-    size: [usize; 2],
 }
 
 #[pymethods]
@@ -76,12 +75,11 @@ impl Correlator {
             max_iterations,
             num_threads,
         };
-        let grey = GreyArray::borrow(reference, REFERENCE)?;
-        let view = grey.view(REFERENCE)?;
-        let size = [view.width(), view.height()];
-        let inner =
-            run(py, progress, move |monitor| fedic::Correlator::new(view, &mesh.inner, camera, options, monitor))?;
-        Ok(Self { inner, size })
+        let reference = Arc::new(ReferenceImage::new(reference)?);
+        let inner = run(py, progress, move |monitor| {
+            fedic::Correlator::new_with(reference, &mesh.inner, camera, options, monitor)
+        })?;
+        Ok(Self { inner })
     }
 
     /// Number of quadrature points.
@@ -91,27 +89,25 @@ impl Correlator {
     }
 
     /// Measures one deformed image; see `fedic.Correlator.correlate`.
-    #[pyo3(signature = (deformed, *, initial=None, pyramid=None, progress=None))]
+    #[pyo3(signature = (deformed, *, initial=None, pyramid=false, progress=None))]
     fn correlate(
         &self,
         py: Python<'_>,
         deformed: &Bound<'_, PyAny>,
         initial: Option<&Bound<'_, PyAny>>,
-        pyramid: Option<&Bound<'_, PyAny>>,
+        pyramid: bool,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
         let view = grey.view(DEFORMED)?;
         let field = initial.map(|field| rows::<2>(field, "initial", solve_error)).transpose()?;
-        let reference = pyramid.map(|image| GreyArray::borrow(image, REFERENCE)).transpose()?;
-        let reference = reference.as_ref().map(|grey| grey.view(REFERENCE)).transpose()?;
         run(py, progress, move |monitor| {
-            let start = match (&field, reference) {
-                (Some(field), _) => Start::Field(field),
-                (None, Some(reference)) => Start::Pyramid(reference),
-                (None, None) => Start::Zero,
+            let start = match &field {
+                Some(field) => Start::Field(field),
+                None if pyramid => Start::Pyramid,
+                None => Start::Zero,
             };
-            self.inner.correlate(view, start, monitor).map(Solution)
+            self.inner.correlate_with(view, start, monitor).map(Solution)
         })
     }
 
@@ -119,15 +115,14 @@ impl Correlator {
     fn residual_map<'py>(
         &self,
         py: Python<'py>,
-        reference: &Bound<'py, PyAny>,
         deformed: &Bound<'py, PyAny>,
         displacement: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let (f, g) = (GreyArray::borrow(reference, REFERENCE)?, GreyArray::borrow(deformed, DEFORMED)?);
-        let (f, g) = (f.view(REFERENCE)?, g.view(DEFORMED)?);
+        let grey = GreyArray::borrow(deformed, DEFORMED)?;
+        let view = grey.view(DEFORMED)?;
         let field = rows::<2>(displacement, "displacement", solve_error)?;
-        let map = run(py, None, |monitor| self.inner.residual_map(f, g, &field, monitor))?;
-        let [width, height] = self.size;
+        let map = run(py, None, |monitor| self.inner.residual_map_with(view, &field, monitor))?;
+        let [width, height] = self.inner.size();
         PyArray::from_vec(py, map).reshape([height, width])
     }
 
@@ -135,12 +130,9 @@ impl Correlator {
     fn standard_deviations<'py>(
         &self,
         py: Python<'py>,
-        reference: &Bound<'py, PyAny>,
         noise: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let grey = GreyArray::borrow(reference, REFERENCE)?;
-        let view = grey.view(REFERENCE)?;
-        let deviations = run(py, None, |monitor| self.inner.standard_deviations(view, noise, monitor))?;
+        let deviations = run(py, None, |monitor| self.inner.standard_deviations_with(noise, monitor))?;
         to_array(py, &deviations)
     }
 

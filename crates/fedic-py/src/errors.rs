@@ -52,6 +52,7 @@ impl IntoPyErr for SolveError {
         let nodes = match self {
             Self::Singular { nodes, .. } | Self::Diverged { nodes, .. } => nodes,
             Self::InvalidOption { .. }
+            | Self::UndeterminedParameters { .. }
             | Self::InvalidStart { .. }
             | Self::TooLarge { .. }
             | Self::TooManyPoints { .. } => vec![],
@@ -80,7 +81,7 @@ impl IntoPyErr for Error {
             Self::Camera(error) => error.into_py_err(),
             Self::Solve(error) => error.into_py_err(),
             Self::MeshOutsideImage { cells, .. } => python::MeshError::new_err((message, cells)),
-            Self::SizeMismatch { .. } | Self::Flat { .. } => image_error(message),
+            Self::SizeMismatch { .. } | Self::Flat { .. } | Self::ReferenceUnavailable { .. } => image_error(message),
             Self::SelfCalibration(_) => solve_error(message),
             Self::Cancelled => PyKeyboardInterrupt::new_err(message),
         }

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use fedic::{Gradient, ImageView, Interpolation, Pixels, Sampler};
+use fedic::{Gradient, ImageSampler, ImageSource, ImageView, Interpolation, Pixels};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -58,6 +58,31 @@ impl<'py> GreyArray<'py> {
     }
 }
 
+const REFERENCE: &str = "the reference image";
+
+/// A NumPy image kept by a correlator.
+pub(crate) struct ReferenceImage(Py<PyAny>);
+
+impl ReferenceImage {
+    /// Keeps `object`, after checking that it is an image.
+    pub(crate) fn new(object: &Bound<'_, PyAny>) -> PyResult<Self> {
+        GreyArray::borrow(object, REFERENCE)?.view(REFERENCE)?;
+        Ok(Self(object.clone().unbind()))
+    }
+}
+
+impl ImageSource for ReferenceImage {
+    fn with_view(&self, use_view: &mut (dyn FnMut(ImageView<'_>) + Send)) -> Result<(), String> {
+        let view = |py: Python<'_>| {
+            let grey = GreyArray::borrow(self.0.bind(py), REFERENCE)?;
+            let view = grey.view(REFERENCE)?;
+            py.detach(|| use_view(view));
+            Ok(())
+        };
+        Python::attach(view).map_err(|error: PyErr| error.to_string())
+    }
+}
+
 /// Grey levels and gradients of an image between its pixels, as a correlation reads them.
 ///
 /// Parameters
@@ -98,7 +123,7 @@ pub(crate) fn interpolate_image<'py>(
     let interpolation = Interpolation::from_str(interpolation).map_err(IntoPyErr::into_py_err)?;
     let gradient = Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?;
     let (values, gradients) = run(py, None, move |_| {
-        let sampler = Sampler::new(view, interpolation, gradient, smoothing)?;
+        let sampler = ImageSampler::new(view, interpolation, gradient, smoothing)?;
         let (u, v): (Vec<f64>, Vec<f64>) = pixels.iter().map(|p| (p[0], p[1])).unzip();
         let mut values = vec![0.0; u.len()];
         let mut along = [vec![0.0; u.len()], vec![0.0; u.len()]];

@@ -14,20 +14,20 @@ pub trait ImageSource: Send + Sync {
     /// # Errors
     ///
     /// The reason, in words, why the pixels cannot be viewed any more.
-    fn with_view(&self, use_view: &mut dyn FnMut(ImageView<'_>)) -> Result<(), String>;
+    fn with_view(&self, use_view: &mut (dyn FnMut(ImageView<'_>) + Send)) -> Result<(), String>;
 }
 
 impl ImageSource for Image {
-    fn with_view(&self, use_view: &mut dyn FnMut(ImageView<'_>)) -> Result<(), String> {
+    fn with_view(&self, use_view: &mut (dyn FnMut(ImageView<'_>) + Send)) -> Result<(), String> {
         use_view(self.view());
         Ok(())
     }
 }
 
 /// Returns what `compute` makes of a view of an image.
-pub(crate) fn view_of<T>(
+pub(crate) fn view_of<T: Send>(
     source: &dyn ImageSource,
-    compute: impl FnOnce(ImageView<'_>) -> T,
+    compute: impl FnOnce(ImageView<'_>) -> T + Send,
 ) -> Result<T, Error> {
     let (mut compute, mut result) = (Some(compute), None);
     let viewed = source.with_view(&mut |view| {
