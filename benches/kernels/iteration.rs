@@ -23,7 +23,7 @@ const FLOATS_PER_POINT: usize = 2;
 const CHUNK: usize = 1 << 14;
 
 fn iteration(c: &mut Criterion) {
-    let (reference, deformed) = (Picture::new(SENSOR, [0.0; 2]), Picture::new(SENSOR, SHIFT));
+    let (reference, deformed) = (Arc::new(Picture::new(SENSOR, [0.0; 2])), Picture::new(SENSOR, SHIFT));
     let mesh = world_mesh(SENSOR, CellType::Quad);
     let unit = DISTANCE / FOCAL;
     let field = vec![[SHIFT[0] * unit, -SHIFT[1] * unit]; mesh.num_nodes()];
@@ -40,8 +40,8 @@ fn iteration(c: &mut Criterion) {
                 ..Options::default()
             };
             let camera = Arc::new(pinhole(SENSOR).with_distortion(lens()));
-            let correlator = Correlator::new(reference.view(), &mesh, camera, options, &()).unwrap();
-            let correlate = || correlator.correlate(deformed.view(), Start::Field(&field), &()).unwrap();
+            let correlator = Correlator::new(reference.clone(), &mesh, camera, options).unwrap();
+            let correlate = || correlator.correlate(deformed.view(), Start::Field(&field)).unwrap();
             assert_eq!(correlate().iterations, iterations);
             num_points = correlator.num_points();
             group.throughput(Throughput::Elements((num_points * iterations) as u64));

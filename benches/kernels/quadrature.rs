@@ -14,7 +14,7 @@ const SIZE: [usize; 2] = [1024, 1024];
 type Specimen = (Mesh, Arc<dyn Camera>);
 
 fn quadrature(c: &mut Criterion) {
-    let picture = Picture::new(SIZE, [0.0; 2]);
+    let picture = Arc::new(Picture::new(SIZE, [0.0; 2]));
     let edges = Quadrature::default();
     let diameter = Quadrature::Mesh { rule: Rule::Diameter, density: 1.0 };
     let drawn = |cell_type| -> Specimen { (pixel_mesh(SIZE, cell_type), Arc::new(ImageFrame)) };
@@ -31,7 +31,7 @@ fn quadrature(c: &mut Criterion) {
     for (name, (mesh, camera), quadrature) in cases {
         let prepare = || {
             let options = Options { quadrature, ..Options::default() };
-            Correlator::new(picture.view(), &mesh, Arc::clone(&camera), options, &()).unwrap()
+            Correlator::new(picture.clone(), &mesh, Arc::clone(&camera), options).unwrap()
         };
         group.throughput(Throughput::Elements(prepare().num_points() as u64));
         group.bench_function(name, |b| b.iter(prepare));

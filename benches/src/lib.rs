@@ -6,7 +6,9 @@
 use std::time::Duration;
 
 use criterion::Criterion;
-use fedic::{BrownDistortion, CellType, ImageView, Mesh, Pinhole, Pixels, rectangle_mesh, rotation_from_vector};
+use fedic::{
+    BrownDistortion, CellType, ImageSource, ImageView, Mesh, Pinhole, Pixels, rectangle_mesh, rotation_from_vector,
+};
 use fedic_synthetic::Speckle;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -67,6 +69,13 @@ impl Picture {
     /// Whether it has no pixel.
     pub fn is_empty(&self) -> bool {
         self.grey.is_empty()
+    }
+}
+
+impl ImageSource for Picture {
+    fn with_view(&self, use_view: &mut (dyn FnMut(ImageView<'_>) + Send)) -> Result<(), String> {
+        use_view(self.view());
+        Ok(())
     }
 }
 

@@ -127,11 +127,7 @@ impl Correlator {
     }
 
     /// Standard deviation of the displacement of each node, (n, 2) float64; see `fedic.Correlator.standard_deviations`.
-    fn standard_deviations<'py>(
-        &self,
-        py: Python<'py>,
-        noise: f64,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn standard_deviations<'py>(&self, py: Python<'py>, noise: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let deviations = run(py, None, |monitor| self.inner.standard_deviations_with(noise, monitor))?;
         to_array(py, &deviations)
     }

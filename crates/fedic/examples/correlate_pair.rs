@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use fedic::{CellType, Correlator, ImageFrame, ImageView, Options, Pixels, Start, rectangle_mesh};
+use fedic::{CellType, Correlator, Image, ImageFrame, ImageView, Options, Pixels, Start, rectangle_mesh};
 
 const MARGIN: f64 = 0.1;
 
@@ -40,8 +40,10 @@ fn run(reference: &str, deformed: &str, size: f64) -> Result<(), Box<dyn Error>>
     let margin = MARGIN * width.min(height);
     let mesh = rectangle_mesh([margin, margin, width - margin, height - margin], size, CellType::Quad)?;
 
-    let correlator = Correlator::new(view(&f)?, &mesh, Arc::new(ImageFrame), Options::default(), &())?;
-    let solution = correlator.correlate(view(&g)?, Start::Pyramid(view(&f)?), &())?;
+    let pixels = f.as_raw().iter().copied().map(f32::from).collect();
+    let reference = Image::new(f.width() as usize, f.height() as usize, pixels)?;
+    let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame), Options::default())?;
+    let solution = correlator.correlate(view(&g)?, Start::Pyramid)?;
 
     println!(
         "{} nodes, {} quadrature points: {} after {} iterations, residual {:.3} grey levels, {:.2} s",

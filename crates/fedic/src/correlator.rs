@@ -284,9 +284,7 @@ impl Correlator {
         let field = match start {
             Start::Zero => vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()],
             Start::Field(field) => self.dofs.restrict(field)?,
-            Start::Pyramid => {
-                self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, &mut history, monitor)?
-            }
+            Start::Pyramid => self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, &mut history, monitor)?,
         };
         let interpolator = self.prepare(deformed)?;
         let field = match start {

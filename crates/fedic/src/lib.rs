@@ -18,19 +18,19 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use fedic::{CellType, Correlator, ImageFrame, ImageView, Options, Pixels, Start, rectangle_mesh};
+//! use fedic::{CellType, Correlator, Image, ImageFrame, Options, Start, rectangle_mesh};
 //!
 //! // A texture, and the same moved by 0.4 pixels to the right.
 //! let texture = |u: f32, v: f32| 120.0 + 50.0 * (0.8 * u + 0.1 * v).sin() + 40.0 * (0.7 * v - 0.2 * u).cos();
-//! let image = |shift: f32| -> Vec<f32> {
-//!     (0..100 * 100).map(|i| texture((i % 100) as f32 - shift, (i / 100) as f32)).collect()
+//! let image = |shift: f32| {
+//!     let greys = (0..100 * 100).map(|i| texture((i % 100) as f32 - shift, (i / 100) as f32));
+//!     Image::new(100, 100, greys.collect())
 //! };
-//! let (reference, deformed) = (image(0.0), image(0.4));
-//! let view = |data| ImageView::new(100, 100, Pixels::F32(data));
+//! let (reference, deformed) = (image(0.0)?, image(0.4)?);
 //!
 //! let mesh = rectangle_mesh([20.0, 20.0, 80.0, 80.0], 20.0, CellType::Quad)?;
-//! let correlator = Correlator::new(view(&reference)?, &mesh, Arc::new(ImageFrame), Options::default(), &())?;
-//! let solution = correlator.correlate(view(&deformed)?, Start::Zero, &())?;
+//! let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame), Options::default())?;
+//! let solution = correlator.correlate(deformed.view(), Start::Zero)?;
 //! assert!(solution.converged);
 //! assert!(solution.displacement.iter().all(|u| (u[0] - 0.4).abs() < 1e-2 && u[1].abs() < 1e-2));
 //! # Ok::<(), fedic::Error>(())

@@ -28,8 +28,8 @@ fn options(quadrature: Quadrature) -> Options {
 }
 
 fn measure(images: &[Image; 2], mesh: &Mesh, camera: &Arc<dyn Camera>, options: Options) -> Solution {
-    let correlator = Correlator::new(images[0].view(), mesh, Arc::clone(camera), options, &()).unwrap();
-    let solution = correlator.correlate(images[1].view(), Start::Zero, &()).unwrap();
+    let correlator = Correlator::new(Arc::new(images[0].clone()), mesh, Arc::clone(camera), options).unwrap();
+    let solution = correlator.correlate(images[1].view(), Start::Zero).unwrap();
     assert!(solution.converged, "{:?}", solution.history);
     // A wrong gradient would still lead there, but slowly.
     assert!(solution.iterations <= MOST_ITERATIONS, "{:?}", solution.history);

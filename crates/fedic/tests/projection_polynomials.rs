@@ -68,9 +68,9 @@ fn projection_polynomials_are_checked_again_after_one_pixel_of_motion() {
     let mesh = warped_mesh([-70.0, -70.0, 70.0, 70.0], 14.0, CellType::Quad, 0.5);
     let options = Options { tolerance: 1e-5, num_threads: Some(1), ..Options::default() };
     let shared: Arc<dyn Camera> = Arc::<Counting>::clone(&camera);
-    let correlator = Correlator::new(images[0].view(), &mesh, shared, options, &()).unwrap();
+    let correlator = Correlator::new(Arc::new(images[0].clone()), &mesh, shared, options).unwrap();
     let record = Record(&camera, Mutex::default());
-    let solution = correlator.correlate(images[1].view(), Start::Zero, &record).unwrap();
+    let solution = correlator.correlate_with(images[1].view(), Start::Zero, &record).unwrap();
     assert!(solution.converged);
 
     let record = record.1.into_inner().unwrap();

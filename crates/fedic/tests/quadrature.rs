@@ -15,7 +15,7 @@ fn points(camera: Arc<dyn Camera>, mesh: &Mesh, quadrature: Quadrature) -> (Vec<
     let speckle = Speckle::new(5.0, 0.5, 2).unwrap();
     let [image, _] = render(&ImageFrame, [100, 90], speckle, Motion::translation([0.0; 2]));
     let options = Options { quadrature, ..Options::default() };
-    let correlator = Correlator::new(image.view(), mesh, camera, options, &()).unwrap();
+    let correlator = Correlator::new(Arc::new(image.clone()), mesh, camera, options).unwrap();
     let found = correlator.quadrature_points();
     assert_eq!([found.0.len(), found.1.len(), found.2.len()], [correlator.num_points(); 3]);
     assert!(found.2.is_sorted() && found.2.last().is_some_and(|&cell| cell == mesh.num_cells() - 1));

@@ -3,8 +3,8 @@
 use fedic_mesh::Mesh;
 use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SymmetricMatrix};
 
-use crate::{Error, SolveError};
 use crate::quadrature::cell_quadrature::CellQuadrature;
+use crate::{Error, SolveError};
 
 /// The mesh without unused nodes, and its unknowns: `D` at each node.
 #[derive(Debug, Clone)]

@@ -16,7 +16,12 @@ pub(crate) struct CellPrefetch<'a> {
 
 impl<'a> CellPrefetch<'a> {
     /// The part read by cell `next`, if there is such a cell.
-    pub(crate) fn new(image: &'a Interpolator, mesh: &Mesh, next: Option<usize>, nodes: &[ProjectedPoint]) -> Option<Self> {
+    pub(crate) fn new(
+        image: &'a Interpolator,
+        mesh: &Mesh,
+        next: Option<usize>,
+        nodes: &[ProjectedPoint],
+    ) -> Option<Self> {
         let cell = mesh.cell(next.filter(|&cell| cell < mesh.num_cells())?);
         Some(Self { image, bounds: pixel_bounds(cell.nodes.iter().map(|&node| &nodes[node as usize])) })
     }

@@ -120,7 +120,8 @@ impl ReferenceSamples {
         let points = first..first + padded;
         CellSamples {
             value: &self.value[points.clone()],
-            gradient: QuantizedGradient { high: self.high.each_ref().map(|along| &**along), low: &self.low }.part(points),
+            gradient: QuantizedGradient { high: self.high.each_ref().map(|along| &**along), low: &self.low }
+                .part(points),
             step: self.steps[cell],
             weights: varying.then(|| &self.weights[first_weight..first_weight + padded]),
             scale,

@@ -15,7 +15,6 @@ use crate::projection::polynomial_basis::{CheckPoint, DATA, MAX_CHECK_POINTS, Po
 use crate::projection::projected_points::{BATCH, ProjectedPoint, ProjectedPoints};
 use crate::quadrature::monomials::{MONOMIALS, UP_TO_DEGREE};
 
-
 /// Largest number of cells fitted at once: their centres and check points fill one batch of projected points.
 pub(crate) const CELLS_AT_ONCE: usize = BATCH / (1 + MAX_CHECK_POINTS);
 /// Coefficients whose sum is below this, in pixels, are left out.
@@ -58,7 +57,8 @@ pub(crate) fn fit_cells<'a, const D: usize>(
         |basis: &'static PolynomialBasis| if accepted.is_some() { &[] } else { basis.check_points(piecewise) };
     let points = cells.take(CELLS_AT_ONCE).flat_map(|cell| {
         let basis = PolynomialBasis::of(cell.cell_type);
-        let shapes = std::iter::once(&basis.centre_shape).chain(check_points_of(basis).iter().map(|check| &check.shape));
+        let shapes =
+            std::iter::once(&basis.centre_shape).chain(check_points_of(basis).iter().map(|check| &check.shape));
         shapes.map(move |shape| interpolate(shape, cell, nodes))
     });
     let projected = ProjectedPoints::new(camera, points);
@@ -221,7 +221,7 @@ mod tests {
     use fedic_mesh::{CellType, map};
 
     use super::*;
-    use crate::projection::polynomial_basis::monomials;
+    use crate::quadrature::monomials::monomials;
 
     fn tilted(focal: f64, radial: f64) -> Pinhole {
         let lens = BrownDistortion::new([radial, 0.05, 0.0], [1e-3, -5e-4], [1e-4, 0.0]).unwrap();
@@ -243,9 +243,9 @@ mod tests {
 
     fn fit_one(cell_type: CellType, nodes_of: &[ProjectedPoint], camera: &dyn Camera) -> Option<CellPolynomial<2>> {
         let nodes: Vec<u32> = (0..nodes_of.len() as u32).collect();
-        let mut expansion = [None];
-        fit_cells(std::iter::once(Cell { cell_type, nodes: &nodes }), nodes_of, camera, None, &mut expansion);
-        expansion[0]
+        let mut polynomial = [None];
+        fit_cells(std::iter::once(Cell { cell_type, nodes: &nodes }), nodes_of, camera, None, &mut polynomial);
+        polynomial[0]
     }
 
     fn points_of(cell: CellType) -> impl Iterator<Item = [f64; 2]> {
@@ -256,22 +256,28 @@ mod tests {
     }
 
     /// Largest differences from the camera: in pixels, and of the Jacobian.
-    fn differences(cell: CellType, nodes: &[ProjectedPoint], camera: &dyn Camera, expansion: &CellPolynomial<2>) -> [f64; 2] {
-        let worlds: Vec<[f64; 3]> = nodes.iter().map(|node| node.world).collect();
+    fn differences(
+        cell: CellType,
+        nodes: &[ProjectedPoint],
+        camera: &dyn Camera,
+        polynomial: &CellPolynomial<2>,
+    ) -> [f64; 2] {
+        let positions: Vec<[f64; 3]> = nodes.iter().map(|node| node.world).collect();
         let mut worst = [0.0_f64; 2];
         for at in points_of(cell) {
-            let (pixel, jacobian) = camera.project_with_jacobian(map(cell, &worlds, at));
+            let (pixel, jacobian) = camera.project_with_jacobian(map(cell, &positions, at));
             let monomials = monomials(at);
             for c in 0..2 {
-                let coefficients = expansion.pixel[c].map(f64::from);
-                let mut sum = expansion.origin[c] as f64 + coefficients[0] + f64::from(expansion.remainder[c][0]);
-                for (m, monomial) in monomials[..expansion.terms].iter().enumerate() {
-                    let remainder = expansion.remainder[c].get(m + 1).copied().unwrap_or_default();
+                let coefficients = polynomial.pixel.coefficients[c].map(f64::from);
+                let mut sum =
+                    polynomial.origin[c] as f64 + coefficients[0] + f64::from(polynomial.pixel.remainder[c][0]);
+                for (m, monomial) in monomials[..polynomial.pixel.terms].iter().enumerate() {
+                    let remainder = polynomial.pixel.remainder[c].get(m + 1).copied().unwrap_or_default();
                     sum += (coefficients[m + 1] + f64::from(remainder)) * monomial;
                 }
                 worst[0] = worst[0].max((sum - pixel[c]).abs());
             }
-            for (entry, linear) in expansion.jacobian.iter().enumerate() {
+            for (entry, linear) in polynomial.jacobian.as_flattened().iter().enumerate() {
                 let [constant, xi, eta] = linear.map(f64::from);
                 let found = constant + xi * at[0] + eta * at[1];
                 worst[1] = worst[1].max((found - jacobian[entry / 2][entry % 2]).abs());
@@ -281,25 +287,25 @@ mod tests {
     }
 
     #[test]
-    fn expansions_follow_the_camera() {
-        let mut expanded = 0;
+    fn polynomials_agree_with_the_camera() {
+        let mut fitted = 0;
         for camera in [tilted(8381.0, -0.032), tilted(1400.0, -0.2)] {
             for cell in CellType::ALL {
                 for half in [5.0, 10.0, 40.0] {
                     let nodes = warped(cell, half, &camera);
-                    if let Some(expansion) = fit_one(cell, &nodes, &camera) {
-                        let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
+                    if let Some(polynomial) = fit_one(cell, &nodes, &camera) {
+                        let [pixel, jacobian] = differences(cell, &nodes, &camera, &polynomial);
                         assert!(pixel < 2.5e-6 && jacobian < 4e-4, "{cell}, {half}: {pixel:e} px, {jacobian:e}");
-                        expanded += 1;
+                        fitted += 1;
                     }
                 }
             }
         }
-        // Large cells behind the stronger lens are left to the camera.
-        assert!((20..30).contains(&expanded), "{expanded}");
+        // Large cells behind the stronger lens are projected exactly.
+        assert!((20..30).contains(&fitted), "{fitted}");
     }
 
-    /// Waves of half a pixel, 350 px long, as 16 intervals over 1400 px follow them.
+    /// A lens of waves of half a pixel, 350 px long, approximated by 16 intervals over 1400 px.
     fn wavy(inverse: bool) -> Pinhole {
         let wave = std::f64::consts::TAU * 8381.0 / 350.0;
         let disworldment = |[x, y]: [f64; 2]| {
@@ -316,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn expansions_follow_a_lens_of_any_shape() {
+    fn polynomials_agree_with_spline_lenses() {
         for camera in [wavy(false), wavy(true)] {
             for (cell, half, all) in [
                 (CellType::Quad, 5.0, true),
@@ -327,7 +333,7 @@ mod tests {
                 (CellType::Quad, 30.0, false),
                 (CellType::Triangle, 20.0, false),
             ] {
-                let (mut expanded, mut cells, mut worst) = (0, 0, [0.0_f64; 2]);
+                let (mut fitted, mut cells, mut worst) = (0, 0, [0.0_f64; 2]);
                 for row in -6..6 {
                     for column in -10..10 {
                         let mut nodes = warped(cell, half, &camera);
@@ -337,50 +343,54 @@ mod tests {
                             (node.pixel, node.jacobian) = camera.project_with_jacobian(node.world);
                         }
                         cells += 1;
-                        if let Some(expansion) = fit_one(cell, &nodes, &camera) {
-                            expanded += 1;
-                            let found = differences(cell, &nodes, &camera, &expansion);
+                        if let Some(polynomial) = fit_one(cell, &nodes, &camera) {
+                            fitted += 1;
+                            let found = differences(cell, &nodes, &camera, &polynomial);
                             worst = [worst[0].max(found[0]), worst[1].max(found[1])];
                         }
                     }
                 }
-                assert!(expanded == cells || !all, "{cell}, {half}: {expanded} of {cells}");
+                assert!(fitted == cells || !all, "{cell}, {half}: {fitted} of {cells}");
                 assert!(worst[0] < if all { 2e-4 } else { 4e-4 } && worst[1] < 1.2e-3, "{cell}, {half}: {worst:?}");
             }
         }
     }
 
     #[test]
-    fn cells_expanded_together_are_as_those_alone() {
+    fn cells_fitted_together_equal_cells_fitted_alone() {
         for camera in [&tilted(1400.0, -0.2) as &dyn Camera, &wavy(false), &fedic_camera::ImageFrame] {
             let (mut nodes_of, mut cells) = (Vec::new(), Vec::new());
             for (cell_type, half) in CellType::ALL.into_iter().zip([10.0, 5.0, 10.0, 80.0, 5.0]) {
                 let nodes = warped(cell_type, half, camera);
-                cells.push((cell_type, (nodes_of.len() as u32..(nodes_of.len() + nodes.len()) as u32).collect::<Vec<_>>()));
+                cells.push((
+                    cell_type,
+                    (nodes_of.len() as u32..(nodes_of.len() + nodes.len()) as u32).collect::<Vec<_>>(),
+                ));
                 nodes_of.extend(nodes);
             }
-            let mut together = [None; CELLS_AT_ONCE];
+            let mut together: [Option<CellPolynomial<2>>; CELLS_AT_ONCE] = [None; CELLS_AT_ONCE];
             let cells = cells.iter().map(|(cell_type, nodes)| Cell { cell_type: *cell_type, nodes });
             fit_cells(cells.clone(), &nodes_of, camera, None, &mut together);
-            let (accepted, mut again) = (together.each_ref().map(Option::is_some), [None; CELLS_AT_ONCE]);
+            let accepted = together.each_ref().map(Option::is_some);
+            let mut again: [Option<CellPolynomial<2>>; CELLS_AT_ONCE] = [None; CELLS_AT_ONCE];
             fit_cells(cells.clone(), &nodes_of, camera, Some(&accepted), &mut again);
             assert_eq!(format!("{again:?}"), format!("{together:?}"));
-            for (cell, expansion) in cells.zip(&together) {
-                let mut alone = [None];
+            for (cell, polynomial) in cells.zip(&together) {
+                let mut alone: [Option<CellPolynomial<2>>; 1] = [None];
                 fit_cells(std::iter::once(cell), &nodes_of, camera, None, &mut alone);
-                assert_eq!(format!("{expansion:?}"), format!("{:?}", alone[0]));
+                assert_eq!(format!("{polynomial:?}"), format!("{:?}", alone[0]));
             }
             assert!(together.iter().flatten().count() >= 3);
         }
     }
 
     #[test]
-    fn a_camera_without_perspective_is_expanded_exactly() {
+    fn a_camera_without_perspective_is_fitted_exactly() {
         let camera = fedic_camera::FrontParallel::new(1.0, [12_000.3, 15_000.7]).unwrap();
         for cell in CellType::ALL {
             let nodes = warped(cell, 10.0, &camera);
-            let expansion = fit_one(cell, &nodes, &camera).unwrap();
-            let [pixel, jacobian] = differences(cell, &nodes, &camera, &expansion);
+            let polynomial = fit_one(cell, &nodes, &camera).unwrap();
+            let [pixel, jacobian] = differences(cell, &nodes, &camera, &polynomial);
             assert!(pixel < 6e-7 && jacobian == 0.0, "{cell}: {pixel:e} px, {jacobian:e}");
         }
     }

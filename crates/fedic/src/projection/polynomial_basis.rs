@@ -54,8 +54,7 @@ impl PolynomialBasis {
         let n = nodes.len();
         let centre = cell_type.reference_centre();
         let determines = cell_type.data().determines;
-        let used: Vec<usize> =
-            (0..=MONOMIALS).filter(|&m| determines(exponents(m)[0], exponents(m)[1])).collect();
+        let used: Vec<usize> = (0..=MONOMIALS).filter(|&m| determines(exponents(m)[0], exponents(m)[1])).collect();
         let known = DMatrix::from_fn(3 * n + 1, used.len(), |row, column| {
             let ([i, j], [xi, eta]) = (exponents(used[column]), if row < 3 * n { nodes[row % n] } else { centre });
             let power = |x: f64, p: i32| if p < 0 { 0.0 } else { x.powi(p) };

@@ -25,11 +25,7 @@ pub(crate) struct ProjectedPoint {
 impl ProjectedPoints {
     /// Projects up to [`BATCH`] points; further ones are ignored.
     pub(crate) fn new(camera: &dyn Camera, points: impl Iterator<Item = [f64; 3]>) -> Self {
-        let mut batch = Self {
-            world: [[0.0; BATCH]; 3],
-            pixel: [[0.0; BATCH]; 2],
-            jacobian: [[[0.0; BATCH]; 3]; 2],
-        };
+        let mut batch = Self { world: [[0.0; BATCH]; 3], pixel: [[0.0; BATCH]; 2], jacobian: [[[0.0; BATCH]; 3]; 2] };
         let mut n = 0;
         for point in points.take(BATCH) {
             (0..3).for_each(|d| batch.world[d][n] = point[d]);
@@ -74,7 +70,8 @@ pub(crate) fn pixel_displacement<const D: usize>(
 ) -> Vec<[f64; 2]> {
     let mut pixels = vec![[0.0; 2]; mesh.num_nodes()];
     pixels.par_chunks_mut(BATCH).enumerate().for_each(|(chunk, pixels)| {
-        let [from, to] = [None, Some(displacement)].map(|displacement| project_chunk(mesh, camera, displacement, chunk));
+        let [from, to] =
+            [None, Some(displacement)].map(|displacement| project_chunk(mesh, camera, displacement, chunk));
         for (k, pixels) in pixels.iter_mut().enumerate() {
             let (from, to) = (from.at(k).pixel, to.at(k).pixel);
             *pixels = [to[0] - from[0], to[1] - from[1]];

@@ -14,7 +14,7 @@ use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::sums::Sums;
 use crate::self_calibration::view::{Frames, View};
 use crate::self_calibration::{SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, statistics};
-use crate::{Error, Gradient, Iteration, Monitor, ImageSampler};
+use crate::{Error, Gradient, ImageSampler, Iteration, Monitor};
 
 /// Reduced images that the iterations start on, at most, and the smallest side of one in pixels.
 const LEVELS: usize = 3;

@@ -75,7 +75,8 @@ fn truth() -> State {
 }
 
 fn view<'a>(problem: &'a Problem<'a>) -> View<'a> {
-    let sample = |index| ImageSampler::new(image(index).view(), Interpolation::Bspline5, Gradient::Analytic, 0.0).unwrap();
+    let sample =
+        |index| ImageSampler::new(image(index).view(), Interpolation::Bspline5, Gradient::Analytic, 0.0).unwrap();
     let frames = Frames { samplers: (0..MOTIONS.len()).map(sample).collect(), size: SIZE, factor: 1.0, margin: 6.0 };
     View::new(problem, frames, &camera(), 0.2).unwrap()
 }

@@ -11,7 +11,7 @@ use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::self_calibration::problem::{Problem, State};
 use crate::self_calibration::rows::{BATCH, Rows, Sight, Sights};
 use crate::self_calibration::sums::Sums;
-use crate::{Error, Monitor, Quadrature, ImageSampler};
+use crate::{Error, ImageSampler, Monitor, Quadrature};
 
 /// Points per parallel task.
 const TASK: usize = 4096;

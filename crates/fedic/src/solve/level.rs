@@ -58,11 +58,10 @@ impl<const D: usize> Level<D> {
         let mesh = &dofs.mesh;
         let mut hessian = SymmetricMatrix::zeros(&dofs.pattern);
         let mut energies = Vec::with_capacity(mesh.num_cells());
-        let observation =
-            Observation::new(mesh, camera, reference, &settings.observation, monitor, |cell, sums| {
-                hessian.add_cell(&dofs.pattern, cell, &sums.matrix.entries());
-                energies.push((sums.matrix.trace(), sums.moments.weight));
-            })?;
+        let observation = Observation::new(mesh, camera, reference, &settings.observation, monitor, |cell, sums| {
+            hessian.add_cell(&dofs.pattern, cell, &sums.matrix.entries());
+            energies.push((sums.matrix.trace(), sums.moments.weight));
+        })?;
         let camera = observation.camera.as_ref();
         let subset = stratified_cells(mesh, &project_nodes::<D>(mesh, camera, None));
         if settings.smoothing.is_none() {
@@ -105,7 +104,8 @@ impl<const D: usize> Level<D> {
         let mut image = self.image_term(dofs, deformed, brightness);
         image.estimate_gain_offset(&start, &self.subset, monitor)?;
         let mut basis = NodalBasis { dofs, factor: &self.factor, quadrature: &self.observation.quadrature };
-        let mut penalty = self.penalty.as_ref().map(|(laplacian, factor)| Tikhonov { dofs, laplacian, factor: *factor });
+        let mut penalty =
+            self.penalty.as_ref().map(|(laplacian, factor)| Tikhonov { dofs, laplacian, factor: *factor });
         let outcome = match &mut penalty {
             Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, start, history, monitor),
             None => iterations.run(&mut [&mut image], &mut basis, start, history, monitor),
@@ -124,4 +124,3 @@ fn flat_cells(energies: &[(f64, f64)]) -> Vec<bool> {
     let textured = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or_default();
     densities.into_iter().map(|density| density.is_nan() || density <= FLAT_GRADIENT.powi(2) * textured).collect()
 }
-

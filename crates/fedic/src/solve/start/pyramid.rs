@@ -105,7 +105,8 @@ impl<const D: usize> Pyramid<D> {
                 max_iterations: MAX_ITERATIONS,
                 max_increment: image.width().max(image.height()) as f64,
             };
-            let outcome = level.solve(dofs, (&interpolator, brightness), &iterations, displacement, history, monitor)?;
+            let outcome =
+                level.solve(dofs, (&interpolator, brightness), &iterations, displacement, history, monitor)?;
             displacement = outcome.displacement;
         }
         Ok(displacement)
