@@ -289,10 +289,7 @@ fn a_monitor_cancels_every_stage() {
         assert_eq!(result, Err(Error::Cancelled), "after {patience} questions");
     }
     let monitor = Impatient::new(3);
-    assert_eq!(
-        correlator.correlate_with(deformed.view(), Start::Pyramid, &monitor),
-        Err(Error::Cancelled)
-    );
+    assert_eq!(correlator.correlate_with(deformed.view(), Start::Pyramid, &monitor), Err(Error::Cancelled));
     // What was cancelled while it was built is built anew.
     assert!(correlator.correlate(deformed.view(), Start::Pyramid).unwrap().converged);
 }

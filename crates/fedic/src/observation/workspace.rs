@@ -71,7 +71,7 @@ impl<const D: usize> PointBuffers<D> {
     pub(crate) fn resize(&mut self, count: usize) {
         let padded = count.next_multiple_of(PADDING);
         for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
-            row.make_room(padded);
+            row.resize_for_overwrite(padded);
             row[count..].fill(0.0);
         }
     }
