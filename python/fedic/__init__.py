@@ -31,6 +31,7 @@ from fedic.errors import CalibrationWarning, CameraError, ConfigError, FedicErro
 from fedic.io.images import read_image
 from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
+from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.result import Iteration, Result
 
@@ -58,6 +59,7 @@ __all__ = [
     "MeshQuadrature",
     "Pinhole",
     "PixelQuadrature",
+    "Progress",
     "Registration",
     "Result",
     "SolveError",

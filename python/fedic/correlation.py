@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from fedic import _core
 from fedic._core import ImageFrame, Mesh
-from fedic._internal.types import Camera, Floats, Image, Progress
+from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import CalibrationWarning, SolveError
 from fedic.io.images import as_pair, let_go, own_image
+from fedic.progress import ProgressCallback, core_callback
 from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 from fedic.result import Iteration, Result
 from fedic.starts.fft import uniform_start
@@ -91,7 +92,7 @@ class Correlator:
         tolerance: float = 1e-3,
         max_iterations: int = 50,
         num_threads: int | None = None,
-        progress: Progress | None = None,
+        progress: ProgressCallback | None = None,
     ) -> None:
         self._reference = own_image(reference, "reference")
         self._mesh = mesh
@@ -113,7 +114,7 @@ class Correlator:
             tolerance=tolerance,
             max_iterations=max_iterations,
             num_threads=num_threads,
-            progress=progress,
+            progress=core_callback(progress),
         )
         let_go(self._reference)
         _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
@@ -123,7 +124,7 @@ class Correlator:
         """Number of quadrature points."""
         return self._core.num_points
 
-    def correlate(self, deformed: Image, initial: Initial = None, progress: Progress | None = None) -> Result:
+    def correlate(self, deformed: Image, initial: Initial = None, progress: ProgressCallback | None = None) -> Result:
         """Measure the displacement between the reference and one deformed image.
 
         Parameters
@@ -155,7 +156,7 @@ class Correlator:
             deformed,
             initial=start if isinstance(start, np.ndarray) else None,
             pyramid=isinstance(start, str),
-            progress=progress,
+            progress=core_callback(progress),
         )
         places = self._mesh.points.copy()
         places[:, :2] += solution.displacement
@@ -261,7 +262,7 @@ def correlate(
     tolerance: float = 1e-3,
     max_iterations: int = 50,
     num_threads: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Result:
     """Measure the displacement between two images.
 

@@ -11,6 +11,7 @@ from fedic._core import Speckle, aperture_points
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
 from fedic.io.images import as_image
+from fedic.progress import ProgressCallback, fraction_callback
 
 __all__ = ["Speckle", "add_noise", "fourier_shift", "render"]
 
@@ -35,7 +36,7 @@ def render(
     noise: float = 0.0,
     shot_noise: float = 0.0,
     seed: int = 0,
-    progress: Callable[[float], object] | None = None,
+    progress: ProgressCallback | None = None,
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """Render a textured plane as a camera sees it.
 
@@ -92,13 +93,13 @@ def render(
     _check_noise("render", noise, shot_noise)
     rows_per_chunk = max(1, _POINTS_PER_CHUNK // (width * supersampling**2))
     grey = np.empty(shape)
+    report = fraction_callback(progress, "render")
     for first in range(0, height, rows_per_chunk):
         last = min(first + rows_per_chunk, height)
         positions = aperture_points(camera, (first, last), width, supersampling, z)
         values = texture.values(_material_points(positions.reshape(-1, 2), displacement))
         grey[first:last] = values.reshape(last - first, width, -1).mean(axis=2)
-        if progress is not None:
-            progress(last / height)
+        report(last / height)
     dark, bright = levels
     grey = (2**bits - 1) * (dark + (bright - dark) * grey)
     return add_noise(grey, noise=noise, shot_noise=shot_noise, seed=seed, bits=bits)

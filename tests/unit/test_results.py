@@ -45,10 +45,12 @@ def test_a_correlator_measures_several_frames(speckle_pair: Pair) -> None:
 
 
 def test_progress_is_reported_and_recorded(speckle_pair: Pair) -> None:
-    calls: list[tuple[str, int, int, float, float]] = []
+    states: list[fedic.Progress] = []
     mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
-    result = fedic.correlate(*speckle_pair, mesh, progress=lambda *call: calls.append(call))
-    assert calls
+    result = fedic.correlate(*speckle_pair, mesh, progress=states.append)
+    assert [(state.stage, state.iteration) for state in states[:2]] == [("prepare", 0), ("solve", 1)]
+    iterations = [(each.level, each.iteration, each.correction, each.residual_rms) for each in states[1:]]
+    assert iterations == [tuple(entry) for entry in result.history]
     assert all(isinstance(entry, fedic.Iteration) for entry in result.history)
     assert result.history[-1].correction < 1e-3
 

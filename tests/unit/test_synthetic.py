@@ -135,8 +135,10 @@ def test_texture_values_do_not_depend_on_the_batch_size() -> None:
 
 
 def test_progress_ends_at_one() -> None:
-    done: list[float] = []
-    render(Speckle(5.0), fedic.ImageFrame(), (300, 400), progress=done.append)
+    states: list[fedic.Progress] = []
+    render(Speckle(5.0), fedic.ImageFrame(), (300, 400), progress=states.append)
+    done = [state.fraction for state in states]
+    assert {state.stage for state in states} == {"render"}
     assert len(done) > 1
     assert done == sorted(done)
     assert done[-1] == 1.0

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 import fedic
 import fedic.campaign.series
 import fedic.demo
-from fedic._internal.progress import TerminalProgress
 from fedic.cli import app
+from fedic.cli.progress import TerminalProgress
 
 RUNNER = CliRunner()
 
@@ -163,11 +163,11 @@ def test_demo_finds_the_bias_of_the_lens(demo_folder: Path) -> None:
 def test_progress_prints_nothing_unless_stderr_is_a_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("fedic._internal.progress._PATIENCE_SECONDS", 0.0)
+    monkeypatch.setattr("fedic.cli.progress._DELAY_SECONDS", 0.0)
     with TerminalProgress("frame") as progress:
-        progress.iteration("solve", 1, 2, 0.1, 3.0)
+        progress(fedic.Progress("solve", None, 1, 2, 0.1, 3.0))
         time.sleep(0.2)
-        progress.fraction(0.5)
+        progress(fedic.Progress("render", 0.5))
     assert capsys.readouterr() == ("", "")
 
 
@@ -175,11 +175,11 @@ def test_progress_prints_nothing_unless_stderr_is_a_terminal(
 def test_progress_appears_on_a_terminal_after_the_delay(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], patience: float, shown: bool
 ) -> None:
-    monkeypatch.setattr("fedic._internal.progress._PATIENCE_SECONDS", patience)
+    monkeypatch.setattr("fedic.cli.progress._DELAY_SECONDS", patience)
     monkeypatch.setenv("FORCE_COLOR", "1")
     with TerminalProgress("frame") as progress:
         time.sleep(0.3)
-        progress.iteration("pyramid", 1, 2, 0.125, 3.0)
+        progress(fedic.Progress("pyramid", None, 1, 2, 0.125, 3.0))
         time.sleep(0.3)
     text = capsys.readouterr().err
     assert ("frame: pyramid, level 1, iteration 2: correction 0.12 px, residual 3" in text) == shown

@@ -28,8 +28,9 @@ def pick(outcome: Outcome, **wanted: Any) -> list[dict[str, Any]]:
 
 
 def test_fig7_on_the_synthetic_image(gmsh: Any) -> None:
-    done: list[float] = []
-    outcome = run_experiment("fig7", Request(quick=True, progress=done.append))
+    states: list[fedic.Progress] = []
+    outcome = run_experiment("fig7", Request(quick=True, progress=states.append))
+    done = [state.fraction or 0.0 for state in states]
     assert done == sorted(done)
     assert done[-1] == 1.0
     assert len(outcome.rows) == 2 * 2 * 4 * 2

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import fedic
 from fedic.demo.scene import PIXEL_MOTION, ImagePair, Scene
 from fedic.experiments import Outcome, Request, run_experiment
 from fedic.experiments.lens import ROUNDING, ignored_distortion, rounding_floor
 from fedic.experiments.reference_images import window_mesh
 
-FRACTIONS: dict[str, list[float]] = {}
+STATES: dict[str, list[fedic.Progress]] = {}
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +22,8 @@ def quick(gmsh: Any) -> Callable[[str], Outcome]:
 
     def run(name: str) -> Outcome:
         if name not in found:
-            FRACTIONS[name] = []
-            found[name] = run_experiment(name, Request(quick=True, progress=FRACTIONS[name].append))
+            STATES[name] = []
+            found[name] = run_experiment(name, Request(quick=True, progress=STATES[name].append))
         return found[name]
 
     return run
@@ -47,7 +48,7 @@ def test_every_measurement_converges_and_reports_progress(quick: Callable[[str],
     assert outcome.name == name
     assert outcome.figures[""].axes
     assert all(row["converged"] for row in outcome.rows)
-    fractions = FRACTIONS[name]
+    fractions = [state.fraction or 0.0 for state in STATES[name]]
     assert fractions == sorted(fractions)
     assert fractions[0] >= 0.0
     assert fractions[-1] <= 1.0

@@ -48,12 +48,13 @@ def check_star(outcome: Outcome, star: str, *, turned_loss: float) -> None:
 def test_resolution_of_both_stars(shared_data: Shared) -> None:
     names = ("star/DIC_Challenge_Star_Noise_Ref.tiff", "star/DIC_Challenge_Star_Noise_Def.tiff")
     pair = tuple(fedic.read_image(shared_data(name)) for name in names)
-    seen: list[float] = []
-    outcome = run_experiment("resolution", Request(quick=True, star=pair, progress=seen.append))  # type: ignore[arg-type]
+    states: list[fedic.Progress] = []
+    outcome = run_experiment("resolution", Request(quick=True, star=pair, progress=states.append))  # type: ignore[arg-type]
     check_star(outcome, "synthetic", turned_loss=1.8)
     check_star(outcome, "real", turned_loss=2.0)
     assert min(float(row["mei"]) for row in outcome.rows if row["star"] == "real" and row["group"] == "sizes") <= 0.25
     assert broken(outcome.claims) == []
+    seen = [state.fraction or 0.0 for state in states]
     assert seen == sorted(seen)
     assert seen[-1] == 1.0
     assert set(outcome.figures) == {"", "amplitude", "variants"}

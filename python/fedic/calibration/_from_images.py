@@ -15,6 +15,7 @@ from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
 from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError, ImageError
 from fedic.io.images import as_image, read_image
+from fedic.progress import ProgressCallback, fraction_callback
 
 __all__ = ["calibrate"]
 
@@ -28,7 +29,7 @@ def calibrate(
     distortion: str | Sequence[str] = "radial1",
     *,
     view: int | str | None = None,
-    progress: Callable[[float], object] | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Calibration:
     """Calibrate a camera from images of a flat target.
 
@@ -49,7 +50,7 @@ def calibrate(
     view : int or str, optional
         Whose pose the camera takes: index or name of an image; the first accepted if not given.
     progress : callable, optional
-        Called with the fraction done.
+        Called with the `fedic.Progress` of the stages ``"detect"`` and ``"refine"``.
 
     Returns
     -------
@@ -66,8 +67,8 @@ def calibrate(
     lens = parse_lens(distortion)
     sources = _sources(images)
     names = [_name(source, index) for index, source in enumerate(sources)]
-    tell = progress or (lambda _: None)
-    observations, faults, image_size = _search(sources, names, plan, tell)
+    detected, refined_views = fraction_callback(progress, "detect"), fraction_callback(progress, "refine")
+    observations, faults, image_size = _search(sources, names, plan, detected)
     found = [index for index in range(len(sources)) if index in observations]
     if len(found) < 2:
         raise CameraError(_too_few(plan, names, faults))
@@ -77,7 +78,7 @@ def calibrate(
         pose = first.estimate.rotations[place], first.estimate.translations[place]
         camera = first.lens.camera(first.estimate.intrinsics, *pose)
         seen[place] = refined(_load(sources[index], names[index]), plan, seen[place], camera)
-        tell(0.5 + 0.5 * (place + 1) / len(found))
+        refined_views((place + 1) / len(found))
     final = explained_fit(lens, seen, image_size)
     return assembled(seen, found, names, faults, final, image_size, view)
 
@@ -100,7 +101,7 @@ def _load(source: Source, name: str) -> Image:
 
 
 def _search(
-    sources: list[Source], names: list[str], target: Target, tell: Callable[[float], object]
+    sources: list[Source], names: list[str], target: Target, report: Callable[[float], object]
 ) -> tuple[dict[int, Observation], dict[int, str], tuple[int, int]]:
     """Return what is found in which image, why it is not in the others, and the size of the images."""
     observations, faults, sizes = dict[int, Observation](), dict[int, str](), dict[int, tuple[int, int]]()
@@ -111,7 +112,7 @@ def _search(
             observations[index] = find_target(image, target)
         except (ImageError, NotFoundError) as fault:
             faults[index] = str(fault).removeprefix(f"{name}: ")
-        tell(0.5 * (index + 1) / len(sources))
+        report((index + 1) / len(sources))
     common = Counter(sizes.values()).most_common(1)[0][0] if sizes else (0, 0)
     for index in [index for index in observations if sizes[index] != common]:
         del observations[index]

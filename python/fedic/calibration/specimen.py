@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 
 from fedic import _core
 from fedic._core import BrownDistortion, Mesh, Pinhole
-from fedic._internal.types import Camera, Floats, Image, Progress
+from fedic._internal.types import Camera, Floats, Image
 from fedic.correlation import Interpolation
 from fedic.errors import CameraError, ImageError, MeshError, SolveError
 from fedic.io.images import as_image
+from fedic.progress import ProgressCallback, core_callback
 from fedic.result import Iteration
 from fedic.starts.fft import translation_start
 
@@ -98,7 +99,7 @@ def calibrate_on_specimen(
     tolerance: float = 1e-5,
     max_iterations: int = 50,
     num_threads: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> SpecimenCalibration:
     """Find parameters of the camera from rigid motions of the flat specimen: a calibration without a target.
 
@@ -194,7 +195,7 @@ def calibrate_on_specimen(
         tolerance=tolerance,
         max_iterations=max_iterations,
         num_threads=num_threads,
-        progress=progress,
+        progress=core_callback(progress),
     )
     return SpecimenCalibration(
         camera=found.camera,

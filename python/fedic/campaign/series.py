@@ -1,27 +1,28 @@
-"""``fedic run``: measure a series of images as a configuration says, and write everything in one folder."""
+"""Measurement of a series of images with all results in one folder."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fedic._core import __version__
-from fedic._internal.types import Image, Progress
+from fedic._internal.types import Image
 from fedic.campaign.config import Config
 from fedic.correlation import Correlator
 from fedic.errors import FedicError
 from fedic.io.atomic import make_folder, write_json
 from fedic.io.images import read_image
 from fedic.plotting import plot_displacement, plot_mesh, plot_residual, save_figure
+from fedic.progress import ProgressCallback
 from fedic.result import Result
 
-__all__ = ["Frame", "run"]
+__all__ = ["Frame", "measure_series"]
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What became of one deformed image.
+    """Outcome of one deformed image.
 
     Attributes
     ----------
@@ -39,30 +40,28 @@ class Frame:
 
     @property
     def error(self) -> str | None:
-        """The message of the fault that stopped this frame, if any."""
+        """The message of the error that stopped this frame, or None."""
         return self.outcome.get("error")
 
 
-def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[[Frame], object] | None = None) -> Path:
+def measure_series(config: Config, *, progress: ProgressCallback | None = None) -> Iterator[Frame]:
     """Measure every deformed image of a configuration.
 
     The output folder receives, for each image, ``<stem>.vtu``, ``<stem>.npz`` and pictures, and ``summary.json``, which
-    is written again after each frame. A frame that fails is recorded there and the others go on. Image files must stay
-    as they are meanwhile: large ones are mapped (see `fedic.read_image`).
+    is written again after each frame. A frame that fails is recorded there and the others go on. The image files must
+    not change meanwhile: large ones are mapped (see `fedic.read_image`).
 
     Parameters
     ----------
     config : Config
-        From `fedic.campaign.config.load_config`.
+        From `fedic.campaign.load_config`.
     progress : callable, optional
-        See `fedic.Correlator.correlate`.
-    on_frame : callable, optional
-        Called with each `Frame` once it is finished.
+        Called with a `fedic.Progress`.
 
-    Returns
-    -------
-    Path
-        The output folder.
+    Yields
+    ------
+    Frame
+        Each frame once its files are written.
 
     Raises
     ------
@@ -82,8 +81,7 @@ def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[
         frame = _measure(correlator, path, folder, pictures=config.output.pictures, progress=progress)
         frames.append(frame)
         _write_summary(folder, config, frames)
-        if on_frame is not None:
-            on_frame(frame)
+        yield frame
 
     failed = [frame for frame in frames if frame.error is not None]
     if failed:
@@ -91,10 +89,11 @@ def run(config: Config, *, progress: Progress | None = None, on_frame: Callable[
             f"{len(failed)} of {len(frames)} frames failed, the first being {failed[0].image.name}: {failed[0].error} "
             f"The others are in {folder}."
         )
-    return folder
 
 
-def _measure(correlator: Correlator, path: Path, folder: Path, *, pictures: bool, progress: Progress | None) -> Frame:
+def _measure(
+    correlator: Correlator, path: Path, folder: Path, *, pictures: bool, progress: ProgressCallback | None
+) -> Frame:
     start = time.perf_counter()
     try:
         deformed = read_image(path, mapped=True)

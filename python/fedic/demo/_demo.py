@@ -5,18 +5,18 @@ management of quadrature and lens distortions": synthetic images of a plane thro
 pixels. The lens bends the motion by hundredths of a pixel, which a measurement in pixels takes for displacement.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fedic._core import __version__, rectangle_mesh
-from fedic._internal.types import Image, Progress
+from fedic._internal.types import Image
 from fedic.demo.measurement import Measurement, measure_pair
 from fedic.demo.scene import Scene
 from fedic.io.atomic import write_json
 from fedic.plotting import save_figure
 from fedic.plotting.error_maps import draw_error_maps
+from fedic.progress import ProgressCallback
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 
 __all__ = ["Demo", "measure", "write_demo"]
@@ -49,8 +49,7 @@ def measure(
     size: float = 20.0,
     seed: int = 0,
     *,
-    progress: Progress | None = None,
-    on_render: Callable[[float], object] | None = None,
+    progress: ProgressCallback | None = None,
 ) -> Demo:
     """Make the images and measure them both ways.
 
@@ -61,9 +60,7 @@ def measure(
     seed : int
         Seed of the speckle.
     progress : callable, optional
-        Progress of the correlations, see `fedic.Correlator.correlate`.
-    on_render : callable, optional
-        Called with the fraction of each image done.
+        Called with a `fedic.Progress` while the images are rendered and measured.
 
     Returns
     -------
@@ -71,7 +68,7 @@ def measure(
         Images, results and errors.
     """
     scene = Scene()
-    pair = scene.pair(seed, on_render).rounded()
+    pair = scene.pair(seed, progress).rounded()
     mesh = rectangle_mesh(scene.window, size=size)
     with_lens, without_lens = (
         measure_pair(

@@ -1,6 +1,5 @@
 """The scene of Sect. 5.2 of Pierré et al.: a large motion of a speckled plane in front of a distorting lens."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 
 from fedic._core import BrownDistortion, Mesh, Pinhole
 from fedic._internal.types import Distortion, Floats
+from fedic.progress import ProgressCallback
 from fedic.synthetic import Speckle, render
 
 __all__ = ["LEVELS", "SPECKLE", "ImagePair", "Scene"]
@@ -132,7 +132,7 @@ class Scene:
         """
         return vectors / MILLIMETRES * (1.0, -1.0)
 
-    def pair(self, seed: int, progress: Callable[[float], object] | None = None) -> ImagePair:
+    def pair(self, seed: int, progress: ProgressCallback | None = None) -> ImagePair:
         """Render a texture at rest and moved, in 16 bits and without noise.
 
         Parameters
@@ -140,7 +140,7 @@ class Scene:
         seed : int
             Seed of the texture.
         progress : callable, optional
-            Called with the fraction of each image done.
+            Called with a `fedic.Progress` of each image.
 
         Returns
         -------

@@ -96,7 +96,7 @@ def run(request: Request) -> Outcome:
         for cell, size in meshes:
             own += climber.basins(cell, size) + climber.iterations(cell, size)
             done += 1
-            request.progress(done / (len(found) * len(meshes)))
+            request.report(done / (len(found) * len(meshes)))
         rows += own
         claims += claims_of(own)
     return Outcome(

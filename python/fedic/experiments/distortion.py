@@ -118,7 +118,7 @@ def run(request: Request) -> Outcome:
     count = QUICK_TEXTURES if request.quick else TEXTURES
     rows: list[Row] = []
     for done, case in enumerate(cases):
-        request.progress(done / len(cases))
+        request.report(done / len(cases))
         rows += _rows(*case, count)
     return Outcome(
         "distortion",

@@ -66,7 +66,7 @@ def run(request: Request) -> Outcome:
                                 "bound_px": bound if bits == 8 else np.nan,
                             }
                         )
-                        request.progress(len(rows) / total)
+                        request.report(len(rows) / total)
     floor = float(rounding_floor(scene, coarse[0]).max())
     return Outcome(
         "fig14",

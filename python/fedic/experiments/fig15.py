@@ -78,7 +78,7 @@ def run(request: Request) -> Outcome:
                         "bound_px": bound,
                     }
                 )
-                request.progress(len(rows) / total)
+                request.report(len(rows) / total)
     return Outcome(
         "fig15",
         "A large shift through a lens over the number of quadrature points",

@@ -46,7 +46,7 @@ def run(request: Request) -> Outcome:
     rows: list[Row] = []
     figures = {}
     for done, setting in enumerate(SETTINGS):
-        request.progress(done / len(SETTINGS))
+        request.report(done / len(SETTINGS))
         for bits, pairs in ((8, coarse), (16, fine[:1])):
             found = {kind: _measure(scene, pairs, mesh, setting, kind) for kind in ("mesh", "pixel")}
             for kind, each in found.items():

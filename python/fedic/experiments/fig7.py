@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from fedic._internal.types import CellName
 from fedic.experiments.option_sets import DEFAULT, LEGEND, PAPER, PAPER_SPLINES, UNFILTERED, OptionSet
-from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
+from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.reference_images import SIZES, ReferenceImage, reference_images, window_mesh
 from fedic.experiments.style import COLOURS, MARKERS
 from fedic.experiments.sweep import measure_shifts
@@ -53,7 +53,7 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(subject: ReferenceImage, sizes: tuple[int, ...], progress: Progressed) -> list[Row]:
+def _measure(subject: ReferenceImage, sizes: tuple[int, ...], request: Request) -> list[Row]:
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in SHIFTS]
     rows: list[Row] = []
@@ -74,7 +74,7 @@ def _measure(subject: ReferenceImage, sizes: tuple[int, ...], progress: Progress
                         }
                         | found.as_row()
                     )
-                    progress(len(rows) / total)
+                    request.report(len(rows) / total)
     return rows
 
 

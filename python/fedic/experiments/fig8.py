@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from fedic._internal.types import CellName, Floats
 from fedic.experiments.option_sets import DEFAULT, LEGEND, PAPER, UNFILTERED, OptionSet
-from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
+from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.reference_images import ReferenceImage, reference_images, window_mesh
 from fedic.experiments.style import MARKERS
 from fedic.experiments.sweep import draw_displacements, measure_shifts, noise_bound, rms
@@ -45,7 +45,7 @@ def run(request: Request) -> Outcome:
     images = reference_images(request)
     rows: list[Row] = []
     for index, subject in enumerate(images):
-        rows += _measure(subject, request.quick, request.part(index, len(images)))
+        rows += _measure(subject, request.part(index, len(images)))
     names = [subject.name for subject in images]
     return Outcome(
         "fig8",
@@ -60,10 +60,10 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list[Row]:
+def _measure(subject: ReferenceImage, request: Request) -> list[Row]:
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in SHIFTS]
-    densities = QUICK_DENSITIES if quick else DENSITIES
+    densities = QUICK_DENSITIES if request.quick else DENSITIES
     rules: list[tuple[str, float, Quadrature]] = [("pixel", 1.0, PixelQuadrature())]
     rules += [(rule, d, MeshQuadrature(density=d, rule=rule)) for rule, d in product(RULES, densities)]
     area = float(np.prod(np.subtract(subject.window[2:], subject.window[:2])))
@@ -81,14 +81,14 @@ def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list
                 setting,
                 quadrature,
                 NOISE,
-                QUICK_DRAWS if quick else DRAWS,
+                QUICK_DRAWS if request.quick else DRAWS,
                 start=SHIFTS[1],
             )
             noise = rms(draws.std(axis=0, ddof=1))
             place = {"image": subject.name, "setting": setting.name, "cell": cell, "rule": rule, "density": density}
             figures = {"points_per_pixel": found.num_points / area, "noise_over_bound": noise / bound}
             rows.append(place | figures | found.as_row())
-            progress(len(rows) / total)
+            request.report(len(rows) / total)
     return rows
 
 

@@ -10,7 +10,7 @@ from fedic._internal.types import Floats
 from fedic.correlation import Correlator
 from fedic.demo.scene import SPECKLE
 from fedic.experiments.option_sets import OptionSet
-from fedic.experiments.outcome import Claim, Outcome, Progressed, Request, Row
+from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.reference_images import ReferenceImage, reference_images, window_mesh
 from fedic.experiments.sweep import MAX_ITERATIONS, TOLERANCE, draw_displacements, measure_shifts, noise_bound, rms
 from fedic.quadrature import MeshQuadrature
@@ -47,7 +47,7 @@ def run(request: Request) -> Outcome:
     images = reference_images(request)
     rows: list[Row] = []
     for index, subject in enumerate(images):
-        rows += _measure(subject, request.quick, request.part(index, len(images)))
+        rows += _measure(subject, request.part(index, len(images)))
     names = [subject.name for subject in images]
     return Outcome(
         "interpolation",
@@ -64,8 +64,8 @@ def run(request: Request) -> Outcome:
     )
 
 
-def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list[Row]:
-    shifts = [(shift, 0.0) for shift in (QUICK_SHIFTS if quick else SHIFTS)]
+def _measure(subject: ReferenceImage, request: Request) -> list[Row]:
+    shifts = [(shift, 0.0) for shift in (QUICK_SHIFTS if request.quick else SHIFTS)]
     reference = subject.reference
     deformed = [subject.shifted(shift) for shift in shifts]
     noisy = subject.shifted((0.4, 0.0))
@@ -74,9 +74,9 @@ def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list
     bound = noise_bound(reference, unstructured, NOISE)
     choices = list(
         product(
-            QUICK_INTERPOLATIONS if quick else INTERPOLATIONS,
-            QUICK_GRADIENTS if quick else GRADIENTS,
-            QUICK_SMOOTHINGS if quick else SMOOTHINGS,
+            QUICK_INTERPOLATIONS if request.quick else INTERPOLATIONS,
+            QUICK_GRADIENTS if request.quick else GRADIENTS,
+            QUICK_SMOOTHINGS if request.quick else SMOOTHINGS,
         )
     )
     meshes: tuple[tuple[str, Mesh, MeshQuadrature], ...] = (
@@ -95,7 +95,7 @@ def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list
             chosen_mesh = mesh is unstructured and quadrature.rule == "rotated"
             noise = np.nan
             if chosen_mesh:
-                count = QUICK_DRAWS if quick else DRAWS
+                count = QUICK_DRAWS if request.quick else DRAWS
                 draws = draw_displacements(reference, noisy, mesh, setting, quadrature, NOISE, count, start=(0.4, 0.0))
                 noise = rms(draws.std(axis=0, ddof=1)) / bound
             rows.append(
@@ -111,7 +111,7 @@ def _measure(subject: ReferenceImage, quick: bool, progress: Progressed) -> list
                 }
                 | {f"bias_at_{shift[0]:g}": bias for bias, shift in zip(found.biases, shifts, strict=True)}
             )
-            progress(len(rows) / (len(choices) * len(meshes)))
+            request.report(len(rows) / (len(choices) * len(meshes)))
     return rows
 
 

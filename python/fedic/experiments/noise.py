@@ -65,7 +65,7 @@ def run(request: Request) -> Outcome:
         if count == map_draws:
             maps[setting.name] = (mesh, errors, predicted)
         rows.append(_row(reference, mesh, setting, cell, size, noise, errors, predicted))
-        request.progress(len(rows) / (len(SETTINGS) * len(cases)))
+        request.report(len(rows) / (len(SETTINGS) * len(cases)))
     return Outcome(
         "noise",
         "Measured and predicted uncertainty",

@@ -2,8 +2,7 @@
 
 import csv
 import math
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -13,14 +12,12 @@ from fedic._core import __version__
 from fedic._internal.types import Image
 from fedic.io.atomic import replacing, write_json
 from fedic.plotting import save_figure
+from fedic.progress import Progress, ProgressCallback, fraction_callback
 
-__all__ = ["Claim", "Outcome", "Progressed", "Request", "Row", "write_outcome"]
+__all__ = ["Claim", "Outcome", "Request", "Row", "write_outcome"]
 
 Row: TypeAlias = dict[str, Any]
 """One line of an experiment's table, of strings, numbers and truth values: the same keys in all of them."""
-
-Progressed: TypeAlias = Callable[[float], object]
-"""Told the fraction done."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,29 +32,43 @@ class Request:
         A real reference image, measured beside the synthetic one.
     star : (ndarray, ndarray) or None
         Reference and deformed image of the star of the DIC Challenge 2.0, noisy pair.
-    progress : callable
-        Called with the fraction done.
+    progress : callable, optional
+        Called with a `fedic.Progress`.
     """
 
     quick: bool = False
     image: Image | None = None
     star: tuple[Image, Image] | None = None
-    progress: Progressed = lambda _: None
+    progress: ProgressCallback | None = None
 
-    def part(self, index: int, count: int) -> Progressed:
-        """Return the progress of one of several equal parts.
+    def report(self, fraction: float) -> None:
+        """Report the completed fraction of the request.
+
+        Parameters
+        ----------
+        fraction : float
+            From 0 to 1.
+        """
+        fraction_callback(self.progress, "experiment")(fraction)
+
+    def part(self, index: int, count: int) -> "Request":
+        """Return the request for one of several equal parts of the work.
 
         Parameters
         ----------
         index, count : int
-            Which part, and how many there are.
+            Number of the part, from 0, and number of parts.
 
         Returns
         -------
-        callable
-            Called with the fraction of the part done.
+        Request
+            The same request; what it reports is the fraction of the part.
         """
-        return lambda done: self.progress((index + done) / count)
+
+        def report(progress: Progress) -> None:
+            self.report((index + (progress.fraction or 0.0)) / count)
+
+        return replace(self, progress=report)
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ def run(request: Request) -> Outcome:
     found: list[Measured] = []
     for task in tasks:
         found.append(task())
-        request.progress(len(found) / len(tasks))
+        request.report(len(found) / len(tasks))
     return Outcome(
         "resolution",
         "Noise against resolution on the star of the DIC Challenge 2.0",

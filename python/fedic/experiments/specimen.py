@@ -53,7 +53,7 @@ def run(request: Request) -> Outcome:
     lengths = QUICK_LENGTHS if request.quick else LENGTHS
     rows: list[Row] = []
     for done, length in enumerate(lengths):
-        request.progress(done / len(lengths))
+        request.report(done / len(lengths))
         clean = [reference] + [_image(scene, texture, (length * u, length * v)) for u, v in DIRECTIONS]
         for noise in NOISES:
             images = [add_noise(image, noise=noise, seed=seed, bits=8) for seed, image in enumerate(clean)]

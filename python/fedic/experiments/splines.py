@@ -69,7 +69,7 @@ def run(request: Request) -> Outcome:
         plane = _seen(scene, np.zeros(3), 0.5 * np.array([WIDTH, HEIGHT]), 1.0)
         found: dict[str, Pinhole] = {}
         for place, model in enumerate(MODELS):
-            request.progress((draw + place / len(MODELS)) / count)
+            request.report((draw + place / len(MODELS)) / count)
             calibration = calibrate_points(views.points, views.pixels, (WIDTH, HEIGHT), model)
             found[model] = _placed(scene, calibration, pair, *plane)
             maps.setdefault(model, _errors_of_camera(scene, found[model]))

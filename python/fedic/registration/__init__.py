@@ -3,6 +3,14 @@
 from fedic.registration._features import BoundaryFeature, boundary_features
 from fedic.registration._from_data import register
 from fedic.registration._pairs import read_pairs
-from fedic.registration._result import FeatureDistances, Registration
+from fedic.registration._result import FeatureDistances, Registration, check_format
 
-__all__ = ["BoundaryFeature", "FeatureDistances", "Registration", "boundary_features", "read_pairs", "register"]
+__all__ = [
+    "BoundaryFeature",
+    "FeatureDistances",
+    "Registration",
+    "boundary_features",
+    "check_format",
+    "read_pairs",
+    "register",
+]

@@ -1,0 +1,5 @@
+"""Command line of fedic."""
+
+from fedic.cli._app import app
+
+__all__ = ["app"]

@@ -1,0 +1,101 @@
+"""Parts that commands share: error messages, tables, and options of output files."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from fedic.errors import FedicError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+__all__ = [
+    "CameraOption",
+    "OverwriteOption",
+    "PictureOption",
+    "check_picture",
+    "make_table",
+    "print_table",
+    "reported_errors",
+]
+
+_EXIT_ERROR = 2
+_EXIT_INTERRUPTED = 130
+
+CameraOption: TypeAlias = Annotated[
+    Path, typer.Option("--output", help="Camera file: .toml, or .yml, .yaml, .xml for OpenCV.")
+]
+PictureOption: TypeAlias = Annotated[
+    Path | None, typer.Option("--picture", help="Residuals drawn over the image, a .png file.")
+]
+OverwriteOption: TypeAlias = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the output file and the picture if they exist.")
+]
+
+
+@contextmanager
+def reported_errors() -> Iterator[None]:
+    """Print the errors of fedic as sentences and exit with status 2; exit with status 130 on Ctrl-C."""
+    try:
+        yield
+    except FedicError as error:
+        typer.echo(f"fedic: {error}", err=True)
+        raise typer.Exit(_EXIT_ERROR) from None
+    except KeyboardInterrupt:
+        typer.echo("fedic: interrupted", err=True)
+        raise typer.Exit(_EXIT_INTERRUPTED) from None
+
+
+def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bool) -> None:
+    """Check, before any long work, that writing a picture replaces no file that is to be kept.
+
+    Parameters
+    ----------
+    picture : Path, optional
+        The picture.
+    images : iterable of Path
+        Image files that are read.
+    overwrite : bool
+        Whether an existing picture may be replaced.
+
+    Raises
+    ------
+    FedicError
+        If the picture cannot be written, is one of the images, or exists and `overwrite` is false.
+    """
+    from fedic.plotting.figures import check_picture_path
+
+    if picture is None:
+        return
+    check_picture_path(picture)
+    if not picture.parent.is_dir():
+        raise FedicError(f"{picture}: the folder {picture.parent} does not exist; make it first.")
+    if not picture.exists():
+        return
+    if any(image.exists() and picture.samefile(image) for image in images):
+        raise FedicError(f"{picture}: the picture would replace an input image; give it another name.")
+    if not overwrite:
+        raise FedicError(f"{picture}: this file exists and was not changed; --overwrite replaces it by the picture.")
+
+
+def make_table(title: str, columns: Sequence[str], *, left: Sequence[str] = ()) -> "Table":
+    """Make a table with right-aligned columns, except those named in `left`, which are left-aligned and wrap."""
+    from rich.table import Table
+
+    table = Table(title=title)
+    for column in columns:
+        if column in left:
+            table.add_column(column, overflow="fold")
+        else:
+            table.add_column(column, justify="right", no_wrap=True)
+    return table
+
+
+def print_table(table: "Table") -> None:
+    """Print a table."""
+    from rich.console import Console
+
+    Console().print(table)
