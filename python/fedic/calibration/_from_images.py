@@ -7,11 +7,11 @@ from os import PathLike, fspath
 from typing import TypeAlias
 
 from fedic._internal.types import Image, StrPath
-from fedic.calibration._adjustment.bundle import Observation
 from fedic.calibration._from_points import assembled, explained_fit
 from fedic.calibration._result import Calibration
 from fedic.calibration.detection import NotFoundError, find_target, refined
 from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
+from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError, ImageError
 from fedic.io.images import as_image, read_image

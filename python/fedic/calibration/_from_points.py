@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fedic.calibration._adjustment.bundle import Observation
 from fedic.calibration._adjustment.fit import Fit, fit
 from fedic.calibration._adjustment.spline_fit import fit_spline
 from fedic.calibration._adjustment.start import start
 from fedic.calibration._advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
 from fedic.calibration._result import Calibration, View
 from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
+from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
 __all__ = ["assembled", "calibrate_points", "explained_fit"]

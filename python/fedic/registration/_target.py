@@ -8,8 +8,8 @@ import numpy as np
 
 from fedic._core import Pinhole
 from fedic._internal.types import Floats, Image
-from fedic.calibration._adjustment.bundle import Observation
 from fedic.calibration.detection import NotFoundError, find_target, refined
+from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
 from fedic.cameras.poses import posed
 from fedic.errors import CameraError, ImageError

@@ -12,9 +12,10 @@ import numpy as np
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.normal_equations import NormalEquations
 from fedic.calibration.lenses import Lens
+from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
-__all__ = ["Bundle", "Estimate", "Observation"]
+__all__ = ["Bundle", "Estimate"]
 
 _IMMATERIAL = 1e-3
 """Likewise where a step does not lower the cost: so close to the minimum that is rounding."""
@@ -24,22 +25,6 @@ _AHEAD = 0.1
 _STUCK_DAMPING = 1e12
 _LARGEST_CONDITION = 1e12
 _OPEN = "The views do not determine the parameters of the camera."
-
-
-@dataclass(frozen=True, eq=False)
-class Observation:
-    """The points of the target found in one view.
-
-    Attributes
-    ----------
-    points : ndarray, shape (n, 3)
-        Where they are on the target.
-    pixels : ndarray, shape (n, 2)
-        Where they are seen.
-    """
-
-    points: Floats
-    pixels: Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._internal.types import Floats
-from fedic.calibration._adjustment.bundle import Bundle, Estimate, Observation
+from fedic.calibration._adjustment.bundle import Bundle, Estimate
 from fedic.calibration._adjustment.start import pose_of, start
 from fedic.calibration.lenses import Lens
+from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
 __all__ = ["Fit", "cauchy_weights", "fit"]

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from fedic._internal.types import Floats
-from fedic.calibration._adjustment.bundle import Bundle, Estimate, Observation
+from fedic.calibration._adjustment.bundle import Bundle, Estimate
 from fedic.calibration._adjustment.fit import Fit, cauchy_weights, fit
 from fedic.calibration._adjustment.smoothing import smoothed
 from fedic.calibration.lenses import RADIAL, SplineLens
+from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
 __all__ = ["fit_spline"]

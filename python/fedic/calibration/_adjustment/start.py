@@ -3,8 +3,9 @@
 import numpy as np
 
 from fedic._internal.types import Floats
-from fedic.calibration._adjustment.bundle import Estimate, Observation
+from fedic.calibration._adjustment.bundle import Estimate
 from fedic.calibration.lenses import Lens
+from fedic.calibration.observation import Observation
 from fedic.cameras.poses import flat_poses
 from fedic.errors import CameraError
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._internal.types import Floats, Image
-from fedic.calibration._adjustment.bundle import Observation
+from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target
 
 __all__ = ["NotFoundError", "find_target"]

@@ -4,9 +4,9 @@ import numpy as np
 
 from fedic._core import Pinhole
 from fedic._internal.types import Floats, Image
-from fedic.calibration._adjustment.bundle import Observation
 from fedic.calibration.detection._circles import centre_in_plane, centre_reach
 from fedic.calibration.detection._corners import corner_in_plane, corner_reach
+from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target
 from fedic.errors import CameraError
 

@@ -1,0 +1,1 @@
+"""Rules on the structure of the sources: imports between files, length of files, headers of folders."""
