@@ -31,14 +31,12 @@ fn iteration(c: &mut Criterion) {
     for threads in [1, 2] {
         let mut num_points = 0;
         for iterations in [1, 5] {
-            let options = Options {
-                interpolation: Interpolation::Bspline3,
-                smoothing: 0.0,
-                num_threads: Some(threads),
-                max_iterations: iterations,
-                tolerance: f64::MIN_POSITIVE,
-                ..Options::default()
-            };
+            let options = Options::default()
+                .interpolation(Interpolation::Bspline3)
+                .smoothing(0.0)
+                .num_threads(Some(threads))
+                .max_iterations(iterations)
+                .tolerance(f64::MIN_POSITIVE);
             let camera = Arc::new(pinhole(SENSOR).with_distortion(lens()));
             let correlator = Correlator::new(reference.clone(), &mesh, camera, options).unwrap();
             let correlate = || correlator.correlate(deformed.view(), Start::Field(&field)).unwrap();

@@ -46,14 +46,12 @@ fn lenses(c: &mut Criterion) {
         [("radial", lens().into()), ("spline", spline.into()), ("inverse_spline", inverse.into())];
     let mut group = c.benchmark_group("lens");
     for (name, lens) in lenses {
-        let options = Options {
-            interpolation: Interpolation::Bspline3,
-            smoothing: 0.0,
-            num_threads: Some(1),
-            max_iterations: ITERATIONS,
-            tolerance: f64::MIN_POSITIVE,
-            ..Options::default()
-        };
+        let options = Options::default()
+            .interpolation(Interpolation::Bspline3)
+            .smoothing(0.0)
+            .num_threads(Some(1))
+            .max_iterations(ITERATIONS)
+            .tolerance(f64::MIN_POSITIVE);
         let camera = Arc::new(pinhole(SENSOR).with_distortion(lens));
         let correlator = Correlator::new(reference.clone(), &mesh, camera, options).unwrap();
         group.throughput(Throughput::Elements((correlator.num_points() * ITERATIONS) as u64));

@@ -30,7 +30,7 @@ fn quadrature(c: &mut Criterion) {
     let mut group = c.benchmark_group("quadrature");
     for (name, (mesh, camera), quadrature) in cases {
         let prepare = || {
-            let options = Options { quadrature, ..Options::default() };
+            let options = Options::default().quadrature(quadrature);
             Correlator::new(picture.clone(), &mesh, Arc::clone(&camera), options).unwrap()
         };
         group.throughput(Throughput::Elements(prepare().num_points() as u64));

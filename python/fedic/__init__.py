@@ -27,7 +27,16 @@ from fedic._core import (
     rectangle_mesh,
 )
 from fedic.correlation import Correlator, correlate
-from fedic.errors import CalibrationWarning, CameraError, ConfigError, FedicError, ImageError, MeshError, SolveError
+from fedic.errors import (
+    CalibrationWarning,
+    CameraError,
+    ConfigError,
+    FedicError,
+    ImageError,
+    MeshError,
+    OptionError,
+    SolveError,
+)
 from fedic.io.images import read_image
 from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
@@ -57,6 +66,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "MeshQuadrature",
+    "OptionError",
     "Pinhole",
     "PixelQuadrature",
     "Progress",

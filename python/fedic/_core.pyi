@@ -7,12 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "CORRELATION_OPTIONS",
+    "SPECIMEN_OPTIONS",
     "BrownDistortion",
     "Correlator",
     "FrontParallel",
     "ImageFrame",
     "InverseSplineDistortion",
     "Mesh",
+    "OptionInfo",
     "Pinhole",
     "SelfCalibration",
     "Solution",
@@ -21,6 +24,7 @@ __all__ = [
     "__version__",
     "aperture_points",
     "calibrate_on_specimen",
+    "check_correlation_options",
     "interpolate_image",
     "rectangle_mesh",
     "spline_basis",
@@ -161,6 +165,32 @@ def aperture_points(
 ) -> NDArray[np.float64]: ...
 
 @final
+class OptionInfo:
+    @property
+    def name(self) -> str: ...
+    @property
+    def kind(self) -> Literal["flag", "integer", "number", "choice", "quadrature"]: ...
+    @property
+    def optional(self) -> bool: ...
+    @property
+    def choices(self) -> list[str]: ...
+    @property
+    def minimum(self) -> tuple[float, bool] | None: ...
+    @property
+    def maximum(self) -> float | None: ...
+    @property
+    def expected(self) -> str: ...
+    @property
+    def default(self) -> bool | int | float | str | tuple[str, float] | None: ...
+    @property
+    def doc(self) -> str: ...
+
+CORRELATION_OPTIONS: list[OptionInfo]
+SPECIMEN_OPTIONS: list[OptionInfo]
+
+def check_correlation_options(**options: object) -> None: ...
+
+@final
 class Correlator:
     def __new__(
         cls,
@@ -168,18 +198,8 @@ class Correlator:
         mesh: Mesh,
         camera: _Camera,
         *,
-        rule: Literal["rotated", "edges", "diameter", "pixel"] = "rotated",
-        density: float = 1.0,
-        interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5",
-        gradient: Literal["analytic", "finite-difference"] = "analytic",
-        smoothing: float = 0.8,
-        brightness: Literal["global", "element"] | None = "global",
-        hessian: Literal["initial", "updated"] = "initial",
-        regularization_length: float | None = None,
-        tolerance: float = 1e-3,
-        max_iterations: int = 50,
-        num_threads: int | None = None,
         progress: Callable[[str, int, int, float, float], Any] | None = None,
+        **options: object,
     ) -> Correlator: ...
     @property
     def num_points(self) -> int: ...
@@ -246,17 +266,8 @@ def calibrate_on_specimen(
     parameters: Sequence[str],
     translations: ArrayLike,
     *,
-    motion: Literal["translation", "in-plane", "spatial"] = "in-plane",
-    known_translations: bool = False,
-    density: float = 1.0,
-    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5",
-    smoothing: float = 0.8,
-    brightness: bool = True,
-    noise: float | None = None,
-    tolerance: float = 1e-5,
-    max_iterations: int = 50,
-    num_threads: int | None = None,
     progress: Callable[[str, int, int, float, float], Any] | None = None,
+    **options: object,
 ) -> SelfCalibration: ...
 
 @final

@@ -2,77 +2,68 @@
 
 import sys
 import warnings
-from typing import Literal, TypeAlias
+import weakref
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic import _core
-from fedic._core import ImageFrame, Mesh
+from fedic._core import CORRELATION_OPTIONS, ImageFrame, Mesh
+from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, Image
-from fedic.errors import CalibrationWarning, SolveError
+from fedic.errors import CalibrationWarning, OptionError
+from fedic.io._files import file_of
 from fedic.io.images import as_pair, let_go, own_image
+from fedic.io.kept import KeptImage
+from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
-from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 from fedic.result import Iteration, Result
 from fedic.starts.fft import uniform_start
 
-__all__ = ["Correlator", "correlate"]
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
-Initial: TypeAlias = Literal["pyramid", "fft"] | ArrayLike | None
-Interpolation: TypeAlias = Literal["bilinear", "bicubic", "bspline3", "bspline5"]
+    from fedic.options import CorrelationOptions
+
+__all__ = ["Correlator", "Initial", "Start", "correlate"]
+
+Start: TypeAlias = Literal["zero", "pyramid", "fft"]
+Initial: TypeAlias = Start | ArrayLike
 
 
+@with_options(CORRELATION_OPTIONS)
 class Correlator:
     """A reference image, a mesh and a camera prepared once, to measure many deformed images.
 
     Parameters
     ----------
     reference : ndarray of uint8, uint16 or float32, shape (height, width)
-        The image of the specimen at rest. It is copied, as the buffer of a camera may be filled again; an array that
-        is read-only, such as ``read_image(path, mapped=True)`` gives, is kept as it is.
+        The image of the specimen at rest. It is copied, as the buffer of a camera may be filled again; a read-only
+        array, such as that of ``read_image(path, mapped=True)``, is kept as it is.
     mesh : Mesh
         The mesh, in the physical space.
     camera : ImageFrame, FrontParallel or Pinhole
         Projects the mesh to the image. `ImageFrame` is for a mesh drawn in pixels.
-    quadrature : MeshQuadrature or PixelQuadrature
-        Where the integral over the mesh is sampled.
-    interpolation : {"bilinear", "bicubic", "bspline3", "bspline5"}
-        How both images are interpolated between pixels.
-    gradient : {"analytic", "finite-difference"}
-        Gradient of the reference image: of the interpolant, or of central differences at the pixels.
-    smoothing : float
-        Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none. It removes what no
-        interpolation can follow: with the default the bias of the interpolation is at most 1e-4 px, for a noise
-        higher by 0 to 7 % where speckles are about five pixels wide and by 30 % where they are one to three. Under a
-        stretch by 1 % it costs an error of 6e-4 px. See ``docs/defaults.md``.
-    brightness : {"global", "element"} or None
-        Where the mean and the contrast of the deformed image are brought to those of the reference image.
-    hessian : {"initial", "updated"}
-        Whether the correlation matrix is kept or rebuilt at each iteration.
-    initial : None, "pyramid", "fft" or array_like of shape (n, 2)
-        The start: zero; coarse-to-fine images; one whole-pixel motion found over the whole image, for large motions;
-        or given nodal displacements in the mesh's unit. On a mesh of a thousand cells or more all but coarse-to-fine
-        images are followed by a smooth field fitted to a few hundred cells, where that lowers their residual.
-    regularization_length : float or None
-        Wavelength, in pixels of the reference image, below which the field is smoothed; None for no smoothing.
-    tolerance : float
-        Stop when the largest nodal correction is below this, in pixels.
-    max_iterations : int
-        Largest number of iterations.
-    num_threads : int or None
-        Number of threads; None for all the processors. The result does not depend on it.
+    initial : {"zero", "pyramid", "fft"} or array_like of shape (n, 2), default "zero"
+        Initial displacement: ``"zero"``; ``"pyramid"``, that found on reduced images, coarse to fine; ``"fft"``, a
+        whole-pixel translation found by cross-correlation over the whole image, for large motions; or nodal
+        displacements in the mesh's unit. On a mesh of a thousand cells or more, all but ``"pyramid"`` are improved by a
+        smooth field fitted to a few hundred cells, if that lowers their residual.
     progress : callable, optional
-        Called once the reference is prepared, with the arguments of the ``progress`` of `correlate`.
+        Called with a `fedic.Progress` once the reference is prepared.
+    {options}
 
     Raises
     ------
+    OptionError
+        If an option is unknown, has the wrong type or lies outside its range.
     ImageError
-        If the reference is no image fedic can use.
+        If the reference image cannot be used.
     MeshError
-        If the mesh has inverted cells or does not project in the image.
+        If the mesh has inverted cells or does not project into the image.
     SolveError
-        If an option is out of its range.
+        If the image does not determine the displacement of some node.
     """
 
     def __init__(
@@ -81,41 +72,18 @@ class Correlator:
         mesh: Mesh,
         camera: Camera = ImageFrame(),
         *,
-        quadrature: Quadrature = MeshQuadrature(),
-        interpolation: Interpolation = "bspline5",
-        gradient: Literal["analytic", "finite-difference"] = "analytic",
-        smoothing: float = 0.8,
-        brightness: Literal["global", "element"] | None = "global",
-        hessian: Literal["initial", "updated"] = "initial",
-        initial: Initial = None,
-        regularization_length: float | None = None,
-        tolerance: float = 1e-3,
-        max_iterations: int = 50,
-        num_threads: int | None = None,
+        initial: Initial = "zero",
         progress: ProgressCallback | None = None,
+        **options: "Unpack[CorrelationOptions]",
     ) -> None:
+        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "progress"))
         self._reference = own_image(reference, "reference")
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)
-        rule, density = _rule(quadrature)
-        self._core = _core.Correlator(
-            self._reference,
-            mesh,
-            camera,
-            rule=rule,
-            density=density,
-            interpolation=interpolation,
-            gradient=gradient,
-            smoothing=smoothing,
-            brightness=brightness,
-            hessian=hessian,
-            regularization_length=regularization_length,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            num_threads=num_threads,
-            progress=core_callback(progress),
-        )
+        self._core = _core.Correlator(self._reference, mesh, camera, progress=core_callback(progress), **arguments)
+        self._options = arguments
+        self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
         let_go(self._reference)
         _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
 
@@ -124,17 +92,19 @@ class Correlator:
         """Number of quadrature points."""
         return self._core.num_points
 
-    def correlate(self, deformed: Image, initial: Initial = None, progress: ProgressCallback | None = None) -> Result:
+    def correlate(
+        self, deformed: Image, initial: Initial | None = None, progress: ProgressCallback | None = None
+    ) -> Result:
         """Measure the displacement between the reference and one deformed image.
 
         Parameters
         ----------
         deformed : ndarray of uint8, uint16 or float32, shape (height, width)
             The image of the deformed specimen.
-        initial : None, "pyramid", "fft" or array_like of shape (n, 2)
-            The start of this frame; None takes the one given to the constructor.
+        initial : {"zero", "pyramid", "fft"} or array_like of shape (n, 2), optional
+            Initial displacement of this frame; by default the one given to the constructor.
         progress : callable, optional
-            Called with (stage, pyramid level, iteration, largest correction in px, residual standard deviation).
+            Called with a `fedic.Progress` after each iteration.
 
         Returns
         -------
@@ -144,18 +114,20 @@ class Correlator:
         Raises
         ------
         ImageError
-            If the deformed image cannot be used or is not of the size of the reference.
+            If the deformed image cannot be used or differs in size from the reference image.
+        OptionError
+            If the initial displacement is unknown or does not fit the mesh.
         SolveError
             If the images do not determine the displacement of some node, or the iterations diverge.
         """
-        deformed = as_pair(self._reference, deformed)
+        original, deformed = deformed, as_pair(self._reference, deformed)
         start = self._initial if initial is None else _checked_initial(initial, self._mesh)
         if isinstance(start, str) and start == "fft":
             start = uniform_start(self._reference, deformed, self._mesh, self._camera)
         solution = self._core.correlate(
             deformed,
             initial=start if isinstance(start, np.ndarray) else None,
-            pyramid=isinstance(start, str),
+            pyramid=isinstance(start, str) and start == "pyramid",
             progress=core_callback(progress),
         )
         places = self._mesh.points.copy()
@@ -173,6 +145,14 @@ class Correlator:
             residual_rms=solution.residual_rms,
             cell_residuals=solution.cell_residuals,
             outside_cells=solution.outside_cells,
+            _measurement=Measurement(
+                reference=self._kept_reference,
+                deformed=KeptImage.of(original, "deformed", path=file_of(original)),
+                mesh=self._mesh,
+                camera=self._camera,
+                options=self._options,
+                correlator=weakref.ref(self._core),
+            ),
         )
 
     def residual_map(self, deformed: Image, displacement: ArrayLike) -> NDArray[np.float32]:
@@ -208,7 +188,7 @@ class Correlator:
 
         Raises
         ------
-        SolveError
+        OptionError
             If the noise is negative or not finite.
 
         Notes
@@ -245,24 +225,16 @@ class Correlator:
         return self._core.standard_deviations(noise)
 
 
+@with_options(CORRELATION_OPTIONS)
 def correlate(
     reference: Image,
     deformed: Image,
     mesh: Mesh,
     camera: Camera = ImageFrame(),
     *,
-    quadrature: Quadrature = MeshQuadrature(),
-    interpolation: Interpolation = "bspline5",
-    gradient: Literal["analytic", "finite-difference"] = "analytic",
-    smoothing: float = 0.8,
-    brightness: Literal["global", "element"] | None = "global",
-    hessian: Literal["initial", "updated"] = "initial",
-    initial: Initial = None,
-    regularization_length: float | None = None,
-    tolerance: float = 1e-3,
-    max_iterations: int = 50,
-    num_threads: int | None = None,
+    initial: Initial = "zero",
     progress: ProgressCallback | None = None,
+    **options: "Unpack[CorrelationOptions]",
 ) -> Result:
     """Measure the displacement between two images.
 
@@ -275,12 +247,12 @@ def correlate(
     mesh : Mesh
         The mesh, in the physical space.
     camera : ImageFrame, FrontParallel or Pinhole
-        Projects the mesh to the image.
-    quadrature, interpolation, gradient, smoothing, brightness, hessian, initial, regularization_length, tolerance, \
-max_iterations, num_threads
-        See `Correlator`.
+        Projects the mesh to the image. `ImageFrame` is for a mesh drawn in pixels.
+    initial : {"zero", "pyramid", "fft"} or array_like of shape (n, 2), default "zero"
+        Initial displacement; see `Correlator`.
     progress : callable, optional
         See `Correlator.correlate`.
+    {options}
 
     Returns
     -------
@@ -289,26 +261,10 @@ max_iterations, num_threads
 
     Raises
     ------
-    ImageError, MeshError, SolveError
+    OptionError, ImageError, MeshError, SolveError
         As `Correlator` and `Correlator.correlate`.
     """
-    correlator = Correlator(
-        reference,
-        mesh,
-        camera,
-        quadrature=quadrature,
-        interpolation=interpolation,
-        gradient=gradient,
-        smoothing=smoothing,
-        brightness=brightness,
-        hessian=hessian,
-        initial=initial,
-        regularization_length=regularization_length,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        num_threads=num_threads,
-        progress=progress,
-    )
+    correlator = Correlator(reference, mesh, camera, initial=initial, progress=progress, **options)
     return correlator.correlate(deformed, progress=progress)
 
 
@@ -331,30 +287,24 @@ def _levels_within_fedic() -> int:
     return levels
 
 
-def _rule(quadrature: Quadrature) -> tuple[Literal["rotated", "edges", "diameter", "pixel"], float]:
-    if isinstance(quadrature, MeshQuadrature):
-        return quadrature.rule, quadrature.density
-    if isinstance(quadrature, PixelQuadrature):
-        return "pixel", 1.0
-    raise SolveError(f"quadrature is {quadrature!r}; give fedic.MeshQuadrature() or fedic.PixelQuadrature().")
-
-
-def _checked_initial(initial: Initial, mesh: Mesh) -> Literal["pyramid", "fft"] | Floats | None:
-    if initial is None or (isinstance(initial, str) and initial in ("pyramid", "fft")):
+def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:
+    names = get_args(Start)
+    if isinstance(initial, str) and initial in names:
         return initial  # type: ignore[return-value]
-    if isinstance(initial, str):
-        raise SolveError(f'initial is {initial!r}; choose None, "pyramid", "fft" or an array of nodal displacements.')
+    if isinstance(initial, str) or initial is None:
+        choices = ", ".join(f'"{name}"' for name in names)
+        raise OptionError(f"initial must be {choices} or an array of nodal displacements, got {initial!r}", "initial")
     try:
         start = np.array(initial, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise SolveError(f"initial is not an array of numbers ({error}).") from error
+        raise OptionError(f"initial is not an array of numbers ({error}).", "initial") from error
     if start.shape != (mesh.num_nodes, 2):
-        raise SolveError(
-            f"initial has shape {start.shape}; give one displacement per node, shape ({mesh.num_nodes}, 2)."
+        raise OptionError(
+            f"initial has shape {start.shape}; give one displacement per node, shape ({mesh.num_nodes}, 2).", "initial"
         )
     used = mesh.used_nodes
     start[~used] = 0.0
     bad = np.flatnonzero(~np.isfinite(start).all(axis=1))
     if bad.size:
-        raise SolveError(f"initial is not finite at {bad.size} nodes, the first being node {bad[0]}.", bad.tolist())
+        raise OptionError(f"initial is not finite at {bad.size} nodes, the first being node {bad[0]}.", "initial")
     return start

@@ -6,7 +6,16 @@ layer found the fault.
 
 from collections.abc import Sequence
 
-__all__ = ["CalibrationWarning", "CameraError", "ConfigError", "FedicError", "ImageError", "MeshError", "SolveError"]
+__all__ = [
+    "CalibrationWarning",
+    "CameraError",
+    "ConfigError",
+    "FedicError",
+    "ImageError",
+    "MeshError",
+    "OptionError",
+    "SolveError",
+]
 
 
 class FedicError(Exception):
@@ -54,12 +63,29 @@ class CameraError(FedicError):
     """A camera with impossible parameters, or points it cannot see."""
 
 
+class OptionError(FedicError, ValueError):
+    """An argument or option that does not exist, or that has the wrong type, shape or range.
+
+    Attributes
+    ----------
+    option : str
+        Name of the argument; empty if it is not known.
+    """
+
+    def __init__(self, message: str = "", option: str = "") -> None:
+        super().__init__(message)
+        self.option = option
+
+    def __reduce__(self) -> tuple[type["OptionError"], tuple[str, str]]:
+        return type(self), (self.message, self.option)
+
+
 class CalibrationWarning(UserWarning):
     """Points lie outside the domain in which a lens was calibrated, where it is extrapolated."""
 
 
 class SolveError(FedicError):
-    """A correlation that cannot be solved: singular system, divergence, or an option out of its range.
+    """A correlation that cannot be solved: singular system, or divergence.
 
     Attributes
     ----------

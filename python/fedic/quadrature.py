@@ -1,10 +1,11 @@
-"""Where the integral over the mesh is sampled: the two quadrature rules."""
+"""Quadrature of the integral over the mesh."""
 
-import math
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias, get_args
 
-from fedic.errors import SolveError
+from fedic import _core
+from fedic._internal.option_choices import QuadratureRule
+from fedic.errors import OptionError
 
 __all__ = ["MeshQuadrature", "PixelQuadrature", "Quadrature"]
 
@@ -19,31 +20,30 @@ class MeshQuadrature:
     Parameters
     ----------
     density : float
-        Scales the number of points: 1 is that of the rule, about one point per pixel of the reference image.
+        Factor on the number of points. With 1 the rules below hold: about one point per pixel of the reference image.
     rule : {"rotated", "edges", "diameter"}
         ``"edges"`` cuts each direction of a quadrilateral by the whole pixels in the shorter of its two edges, 0.8 to 1
-        point per pixel, and a triangle, whose points lie less evenly, into 1.6 points per pixel. ``"rotated"`` takes as
-        many, those of a quadrilateral on a grid turned by a small angle: points a pixel apart keep the same place in
-        their pixels all along an element, where the error of the interpolation then does not average out; turned, they
-        sweep all places. ``"diameter"``, the paper's, cuts every edge by the largest distance between two nodes, so
-        that no pixel is without a point: at least 2 points per pixel in quadrilaterals, 4 in right triangles.
+        point per pixel, and a triangle, whose points are spread less evenly, into 1.6 points per pixel. ``"rotated"``
+        takes as many, with the points of a quadrilateral on a grid rotated by a small angle, so that sub-pixel phases
+        vary along the element and the interpolation error averages out. ``"diameter"``, the paper's, cuts every edge
+        by the largest distance between two nodes, so that every pixel holds a point: at least 2 points per pixel in
+        quadrilaterals, 4 in right triangles.
 
     Raises
     ------
-    SolveError
-        If the density is not a positive number or the rule is unknown.
+    OptionError
+        If the density is not a positive number of at most 10000 or the rule is unknown.
     """
 
     density: float = 1.0
-    rule: Literal["rotated", "edges", "diameter"] = "rotated"
+    rule: QuadratureRule = "rotated"
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.density) and self.density > 0.0):
-            raise SolveError(
-                f"MeshQuadrature: density is {self.density!r}; give a positive number (1 is one point per pixel)."
-            )
-        if self.rule not in ("rotated", "edges", "diameter"):
-            raise SolveError(f'MeshQuadrature: rule is {self.rule!r}; choose "rotated", "edges" or "diameter".')
+        rules = get_args(QuadratureRule)
+        if self.rule not in rules:
+            names = ", ".join(f'"{rule}"' for rule in rules)
+            raise OptionError(f"rule must be one of {names}, got {self.rule!r}", "rule")
+        _core.check_correlation_options(quadrature=(self.rule, self.density))
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""What a measurement gives."""
+"""The result of a measurement."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic._core import Mesh
+from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, StrPath
+from fedic.errors import ImageError
 from fedic.io.results import write_result
 
 __all__ = ["Iteration", "Result"]
@@ -27,7 +29,7 @@ class Iteration(NamedTuple):
     correction : float
         Largest nodal correction, in pixels.
     residual_rms : float
-        Standard deviation of the residual before the correction, in grey levels.
+        Root mean square of the residual before the correction, in grey levels.
     """
 
     level: int
@@ -39,6 +41,9 @@ class Iteration(NamedTuple):
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """A displacement field and how it was reached.
+
+    A result of `fedic.correlate` or `Correlator.correlate` refers to both images without copying them: images read by
+    `fedic.read_image` by the names of their files, other arrays by reference. Pickling keeps the names of files only.
 
     Attributes
     ----------
@@ -53,15 +58,15 @@ class Result:
     converged : bool
         Whether the last correction was below the tolerance.
     iterations : int
-        Number of iterations on the full image.
+        Number of iterations on the images at full resolution; those on reduced images are in `history` alone.
     history : list of Iteration
-        Every iteration, of the pyramid's levels too.
+        All iterations, those on reduced images first.
     num_points : int
         Number of quadrature points.
     residual_rms : float
-        Standard deviation of the residual over the mesh, in grey levels of the images as smoothed.
+        Root mean square of the residual over the mesh, in grey levels of the images as smoothed.
     cell_residuals : ndarray of float, shape (num_cells,)
-        Standard deviation of the residual in each cell, in grey levels.
+        Root mean square of the residual in each cell, in grey levels of the images as smoothed.
     outside_cells : ndarray of int
         Cells with points that left the deformed image; these points were not used.
     """
@@ -77,6 +82,7 @@ class Result:
     residual_rms: float
     cell_residuals: Floats
     outside_cells: NDArray[np.int64]
+    _measurement: Measurement | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         state = "converged" if self.converged else "not converged"
@@ -109,6 +115,56 @@ class Result:
             ``exx, eyy, exy``, tension positive; ``exy`` is the tensor component, half the engineering shear.
         """
         return self.mesh.strains(self.displacement)
+
+    def residual_map(self) -> NDArray[np.float32]:
+        """Map the grey-level residual over the reference image.
+
+        Returns
+        -------
+        ndarray of float32, shape (height, width)
+            ``f - g`` of the images as smoothed, after the brightness correction, in grey levels; NaN at pixels whose
+            centre lies outside the mesh.
+
+        Raises
+        ------
+        ImageError
+            If an image is no longer known or has changed since the measurement.
+
+        Notes
+        -----
+        The correlator that measured is used if it still exists; otherwise it is prepared again.
+        """
+        return self._images().residual_map(self.displacement)
+
+    def standard_deviations(self, noise: float) -> Floats:
+        """Predict the standard deviation of the displacement from the noise of the images.
+
+        Parameters
+        ----------
+        noise : float
+            Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing.
+
+        Returns
+        -------
+        ndarray of float, shape (n, 2)
+            In the mesh's unit; NaN at nodes of no cell. See `Correlator.standard_deviations`.
+
+        Raises
+        ------
+        OptionError
+            If the noise is negative or not finite.
+        ImageError
+            If the reference image is no longer known or has changed since the measurement.
+        """
+        return self._images().standard_deviations(noise)
+
+    def _images(self) -> Measurement:
+        if self._measurement is None:
+            raise ImageError(
+                "This result does not know its images, as it was not made by fedic.correlate; prepare a "
+                "fedic.Correlator with the reference image and use its residual_map and standard_deviations."
+            )
+        return self._measurement
 
     def write(self, path: StrPath) -> Path:
         """Write the result to a file, whole or not at all.

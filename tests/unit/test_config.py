@@ -92,7 +92,7 @@ def test_options_are_passed_to_the_correlator(folder: Path) -> None:
         ('"pinhole"', '"pin-hole"', "camera.model", "choose one of image-frame, front-parallel, pinhole"),
         ('model = "pinhole"', "", "camera.model", "is missing; choose one of"),
         ("[[1, 0, 0], ", "[", "camera.rotation", "3 rows of 3 numbers"),
-        ('"pyramid"', '"pyramids"', "correlation.initial", "'none', 'pyramid' or 'fft'"),
+        ('"pyramid"', '"pyramids"', "correlation.initial", "'zero', 'pyramid' or 'fft'"),
         ("false", "0", "output.pictures", "should be a valid boolean"),
         ('"frame-00.png"', "1", "images.reference", "should be the name of a file"),
         ('"frame-0[12].png"', "[]", "images.deformed", "at least 1 item"),

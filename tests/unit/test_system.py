@@ -43,7 +43,7 @@ def test_first_step_agrees_with_a_dense_system(
     mesh = mesh_in_image(projector, cell, shake=0.0 if rule == "pixel" and cell in CURVED else 1.0)
     start = 0.001 * (mesh.points - mesh.points.mean(0))
     core = _core.Correlator(
-        images[0], mesh, projector, rule=rule, hessian=hessian, interpolation="bspline3", smoothing=0.0,
+        images[0], mesh, projector, quadrature=rule, hessian=hessian, interpolation="bspline3", smoothing=0.0,
         max_iterations=1, tolerance=1e-12,
     )  # type: ignore[call-overload]  # fmt: skip
     step = core.correlate(images[1], initial=start).displacement - start
@@ -107,7 +107,7 @@ def test_quadrature_weights_sum_to_the_area() -> None:
     reference = np.random.default_rng(0).integers(0, 255, (140, 160), dtype=np.uint8)
     mesh = mesh_in_image(LENS, "quad")
     for rule in ("rotated", "edges", "diameter"):
-        _, weights, cells = _core.Correlator(reference, mesh, LENS, rule=rule).quadrature_points()  # type: ignore[arg-type]
+        _, weights, cells = _core.Correlator(reference, mesh, LENS, quadrature=rule).quadrature_points()  # type: ignore[arg-type]
         np.testing.assert_allclose(np.bincount(cells, weights), mesh.areas(), rtol=1e-6)
 
 

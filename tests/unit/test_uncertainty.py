@@ -43,7 +43,7 @@ def dense_deviations(
 ) -> np.ndarray:
     """Return the standard deviations from dense matrices, for a mesh in a plane."""
     rule, density = ("pixel", 1.0) if quadrature is PIXELS else (quadrature.rule, quadrature.density)  # type: ignore[attr-defined]
-    core = _core.Correlator(image, mesh, camera, rule=rule, density=density)  # type: ignore[arg-type]
+    core = _core.Correlator(image, mesh, camera, quadrature=(rule, density))  # type: ignore[arg-type]
     points, weights, _ = core.quadrature_points()
     shape = mesh.interpolate(np.eye(mesh.num_nodes), points)
     jacobian = camera.jacobian(points)  # type: ignore[attr-defined]
@@ -190,5 +190,5 @@ def test_unused_nodes_are_nan() -> None:
 @pytest.mark.parametrize("noise", [-1.0, float("nan"), float("inf")])
 def test_bad_noise_is_refused(noise: float) -> None:
     correlator = fedic.Correlator(speckle().astype(np.float32), shaken_mesh("quad"))
-    with pytest.raises(fedic.SolveError, match="noise must be zero or a positive standard deviation in grey levels"):
+    with pytest.raises(fedic.OptionError, match="noise must be zero or a positive standard deviation in grey levels"):
         correlator.standard_deviations(noise)

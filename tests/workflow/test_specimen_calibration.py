@@ -179,9 +179,9 @@ def test_the_tilt_of_the_camera_is_found() -> None:
 def test_brightness_changes_are_corrected(frames: list[NDArray[np.float32]]) -> None:
     darker = [frames[0], 0.8 * frames[1] + 5.0, *frames[2:]]
     found = fedic.calibrate_on_specimen(darker[0], darker[1:], specimen(), START)
-    same = fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, brightness=None)
+    same = fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, gain_and_offset=False)
     assert_allclose(found.camera.principal_point, same.camera.principal_point, rtol=0, atol=0.01)
-    ignored = fedic.calibrate_on_specimen(darker[0], darker[1:], specimen(), START, brightness=None)
+    ignored = fedic.calibrate_on_specimen(darker[0], darker[1:], specimen(), START, gain_and_offset=False)
     assert ignored.residual_rms > 5.0 * found.residual_rms
 
 
@@ -254,23 +254,23 @@ def test_advice_names_undetermined_parameters(frames: list[NDArray[np.float32]])
 @pytest.mark.parametrize(
     ("change", "error", "message"),
     [
-        ({"images": []}, fedic.ImageError, "images is empty; give at least one"),
-        ({"images": np.zeros((180, 240), np.uint8)}, fedic.ImageError, "images is one image; give a list"),
+        ({"images": []}, fedic.OptionError, "images is empty; give at least one"),
+        ({"images": np.zeros((180, 240), np.uint8)}, fedic.OptionError, "images is one image; give a list"),
         ({"images": [np.zeros((90, 90), np.uint8)]}, fedic.ImageError, r"images\[0\] has shape \(90, 90\) and the ref"),
         ({"images": ["a.png"]}, fedic.ImageError, r"moved \(images\[0\]\) image is a str"),
-        ({"camera": fedic.FrontParallel(1.0)}, fedic.CameraError, "FrontParallel has no parameters .* give a Pinhole"),
-        ({"parameters": ("k1", "k9")}, fedic.CameraError, '"k9" is no parameter of a pinhole camera: choose among fx'),
-        ({"parameters": "k1"}, fedic.CameraError, "give a sequence"),
-        ({"parameters": ()}, fedic.SolveError, "name each camera parameter to be found once: got none"),
-        ({"parameters": ("k1", "k1")}, fedic.SolveError, "k1 is named twice"),
+        ({"camera": fedic.FrontParallel(1.0)}, fedic.OptionError, "FrontParallel has no parameters .* give a Pinhole"),
+        ({"parameters": ("k1", "k9")}, fedic.OptionError, '"k9" is no parameter of a pinhole camera: choose among fx'),
+        ({"parameters": "k1"}, fedic.OptionError, "give a sequence"),
+        ({"parameters": ()}, fedic.OptionError, "name each camera parameter to be found once: got none"),
+        ({"parameters": ("k1", "k1")}, fedic.OptionError, "k1 is named twice"),
         ({"parameters": ("k1", "fx", "fy")}, fedic.SolveError, "hold fx, fy and tz, or give the true translations"),
         ({"parameters": ("k1", "cx", "d2")}, fedic.SolveError, "do not tell cx, d2 apart"),
         ({"parameters": ("tx",)}, fedic.SolveError, "no image shows where the specimen is in its plane"),
-        ({"motion": "any"}, fedic.SolveError, 'motion must be "translation", "in-plane" or "spatial", got "any"'),
-        ({"translations": [(0, 0)]}, fedic.SolveError, r"each of the 3 images, shape \(3, 2\); got shape \(1, 2\)"),
-        ({"known_translations": True}, fedic.SolveError, "known_translations needs the translations"),
-        ({"noise": -1.0}, fedic.SolveError, "noise must be zero or a positive"),
-        ({"mesh": "mesh"}, fedic.MeshError, "mesh must be a fedic.Mesh"),
+        ({"motion": "any"}, fedic.OptionError, 'motion must be "translation", "in-plane" or "spatial", got "any"'),
+        ({"translations": [(0, 0)]}, fedic.OptionError, r"each of the 3 images, shape \(3, 2\); got shape \(1, 2\)"),
+        ({"known_translations": True}, fedic.OptionError, "known_translations needs the translations"),
+        ({"noise": -1.0}, fedic.OptionError, "noise must be zero or a positive"),
+        ({"mesh": "mesh"}, fedic.OptionError, "mesh must be a fedic.Mesh"),
     ],
 )
 def test_bad_input_is_refused(

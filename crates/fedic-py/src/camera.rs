@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{self, matrix, rows, to_array};
-use crate::errors::{IntoPyErr, camera_error, warn};
+use crate::errors::{IntoPyErr, argument_error, camera_error, warn};
 use crate::lens::{any_lens, lens_object, lens_repr};
 use crate::worker::run;
 
@@ -26,7 +26,7 @@ pub(crate) fn any_camera(object: &Bound<'_, PyAny>) -> PyResult<Arc<dyn Camera>>
     } else if let Ok(camera) = object.cast::<Pinhole>() {
         Ok(Arc::new(camera.get().0.clone()))
     } else {
-        Err(camera_error(format!(
+        Err(argument_error(format!(
             "camera must be an ImageFrame, a FrontParallel or a Pinhole, got {}",
             arrays::describe(object)
         )))
@@ -38,7 +38,7 @@ fn project<'py>(
     camera: &dyn Camera,
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (points, _) = arrays::points(points, "points", camera_error)?;
+    let (points, _) = arrays::points(points, "points", argument_error)?;
     let project = |&point: &[f64; 3]| camera.project(point);
     let pixels = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(project).collect::<Vec<_>>()))?;
     warn_of_extrapolation(py, camera, &points)?;
@@ -50,7 +50,7 @@ fn jacobian<'py>(
     camera: &dyn Camera,
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let (points, _) = arrays::points(points, "points", camera_error)?;
+    let (points, _) = arrays::points(points, "points", argument_error)?;
     let jacobian = |&point: &[f64; 3]| camera.project_with_jacobian(point).1;
     let jacobians = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(jacobian).collect::<Vec<_>>()))?;
     warn_of_extrapolation(py, camera, &points)?;
@@ -63,7 +63,7 @@ fn unproject_pixels<'py>(
     pixels: &Bound<'py, PyAny>,
     z: f64,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let pixels = rows::<2>(pixels, "pixels", camera_error)?;
+    let pixels = rows::<2>(pixels, "pixels", argument_error)?;
     let unproject = |&pixel: &[f64; 2]| unproject(camera, pixel, z);
     let points = run(py, None, |_| Ok(pixels.par_iter().with_min_len(GRAIN).map(unproject).collect::<Vec<_>>()))?;
     let failed = points.iter().filter(|point| point.is_none()).count();
@@ -81,7 +81,7 @@ fn covers<'py>(
     camera: &dyn Camera,
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let (points, _) = arrays::points(points, "points", camera_error)?;
+    let (points, _) = arrays::points(points, "points", argument_error)?;
     Ok(PyArray1::from_iter(py, points.iter().map(|&point| camera.covers(point))))
 }
 

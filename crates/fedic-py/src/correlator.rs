@@ -1,23 +1,24 @@
 //! The correlator and its solution.
 
-use std::str::FromStr;
 use std::sync::Arc;
 
-use fedic::{Brightness, Gradient, Hessian, Interpolation, Iteration, Options, Quadrature, Rule, Start};
+use fedic::{Iteration, Start};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{rows, to_array};
 use crate::camera::any_camera;
-use crate::errors::{IntoPyErr, mesh_error, solve_error};
+use crate::errors::argument_error;
 use crate::image::{GreyArray, ReferenceImage};
-use crate::mesh::Mesh;
+use crate::mesh::any_mesh;
+use crate::options::correlation_options;
 use crate::worker::run;
 
 const DEFORMED: &str = "the deformed image";
 
 /// A reference image prepared on a mesh; see `fedic.Correlator`.
-#[pyclass(frozen, module = "fedic._core")]
+#[pyclass(frozen, weakref, module = "fedic._core")]
 pub(crate) struct Correlator {
     inner: fedic::Correlator,
 }
@@ -25,60 +26,21 @@ pub(crate) struct Correlator {
 #[pymethods]
 impl Correlator {
     #[new]
-    #[pyo3(signature = (
-        reference, mesh, camera, *, rule="rotated", density=1.0, interpolation="bspline5", gradient="analytic",
-        smoothing=0.8, brightness=Some("global"), hessian="initial", regularization_length=None, tolerance=1e-3,
-        max_iterations=50, num_threads=None, progress=None
-    ), text_signature = "(reference, mesh, camera, *, rule='rotated', density=1.0, interpolation='bspline5', \
-                         gradient='analytic', smoothing=0.8, brightness='global', hessian='initial', \
-                         regularization_length=None, tolerance=0.001, max_iterations=50, num_threads=None, progress=None)")]
-    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (reference, mesh, camera, *, progress=None, **options))]
     fn new(
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
         mesh: &Bound<'_, PyAny>,
         camera: &Bound<'_, PyAny>,
-        rule: &str,
-        density: f64,
-        interpolation: &str,
-        gradient: &str,
-        smoothing: f64,
-        brightness: Option<&str>,
-        hessian: &str,
-        regularization_length: Option<f64>,
-        tolerance: f64,
-        max_iterations: usize,
-        num_threads: Option<usize>,
         progress: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let mesh = mesh
-            .cast::<Mesh>()
-            .map_err(|_| mesh_error(format!("mesh must be a fedic.Mesh, got {}", crate::arrays::describe(mesh))))?
-            .get();
+        let mesh = any_mesh(mesh)?;
         let camera = any_camera(camera)?;
-        let quadrature = match rule {
-            "pixel" => Quadrature::Pixel,
-            rule => Quadrature::Mesh {
-                rule: Rule::from_str(rule).map_err(|error| solve_error(error.to_string()))?,
-                density,
-            },
-        };
-        let options = Options {
-            quadrature,
-            interpolation: Interpolation::from_str(interpolation).map_err(|error| solve_error(error.to_string()))?,
-            gradient: Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?,
-            smoothing,
-            brightness: Brightness::from_str(brightness.unwrap_or("none")).map_err(IntoPyErr::into_py_err)?,
-            hessian: Hessian::from_str(hessian).map_err(IntoPyErr::into_py_err)?,
-            regularization_length,
-            tolerance,
-            max_iterations,
-            num_threads,
-        };
+        let options = correlation_options(options)?;
         let reference = Arc::new(ReferenceImage::new(reference)?);
-        let inner = run(py, progress, move |monitor| {
-            fedic::Correlator::new_with(reference, &mesh.inner, camera, options, monitor)
-        })?;
+        let inner =
+            run(py, progress, move |monitor| fedic::Correlator::new_with(reference, mesh, camera, options, monitor))?;
         Ok(Self { inner })
     }
 
@@ -100,7 +62,7 @@ impl Correlator {
     ) -> PyResult<Solution> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
         let view = grey.view(DEFORMED)?;
-        let field = initial.map(|field| rows::<2>(field, "initial", solve_error)).transpose()?;
+        let field = initial.map(|field| rows::<2>(field, "initial", argument_error)).transpose()?;
         run(py, progress, move |monitor| {
             let start = match &field {
                 Some(field) => Start::Field(field),
@@ -120,7 +82,7 @@ impl Correlator {
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
         let view = grey.view(DEFORMED)?;
-        let field = rows::<2>(displacement, "displacement", solve_error)?;
+        let field = rows::<2>(displacement, "displacement", argument_error)?;
         let map = run(py, None, |monitor| self.inner.residual_map_with(view, &field, monitor))?;
         let [width, height] = self.inner.size();
         PyArray::from_vec(py, map).reshape([height, width])

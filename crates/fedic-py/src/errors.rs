@@ -1,6 +1,6 @@
 //! From the core's errors to the exceptions of `fedic.errors`, with the cells, nodes or key at fault.
 
-use fedic::{CameraError, Error, ImageError, MeshError, SolveError};
+use fedic::{CameraError, Error, ImageError, MeshError, OptionError, SelfCalibrationError, SolveError};
 use fedic_synthetic::SyntheticError;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -10,6 +10,7 @@ mod python {
     pyo3::import_exception!(fedic.errors, MeshError);
     pyo3::import_exception!(fedic.errors, ImageError);
     pyo3::import_exception!(fedic.errors, CameraError);
+    pyo3::import_exception!(fedic.errors, OptionError);
     pyo3::import_exception!(fedic.errors, SolveError);
     pyo3::import_exception!(fedic.errors, FedicError);
     pyo3::import_exception!(fedic.errors, CalibrationWarning);
@@ -36,7 +37,11 @@ impl IntoPyErr for MeshError {
 
 impl IntoPyErr for ImageError {
     fn into_py_err(self) -> PyErr {
-        image_error(self.to_string())
+        match &self {
+            Self::UnknownInterpolation { .. } => option_error(self.to_string(), "interpolation"),
+            Self::InvalidSmoothing { .. } => option_error(self.to_string(), "smoothing"),
+            _ => image_error(self.to_string()),
+        }
     }
 }
 
@@ -46,18 +51,39 @@ impl IntoPyErr for CameraError {
     }
 }
 
-impl IntoPyErr for SolveError {
+impl IntoPyErr for OptionError {
     fn into_py_err(self) -> PyErr {
         let message = self.to_string();
+        match self {
+            Self::Invalid { option, .. } => option_error(message, option),
+            _ => option_error(message, ""),
+        }
+    }
+}
+
+impl IntoPyErr for SolveError {
+    fn into_py_err(self) -> PyErr {
+        let mut message = self.to_string();
         let nodes = match self {
-            Self::Singular { nodes, .. } | Self::Diverged { nodes, .. } => nodes,
-            Self::InvalidOption { .. }
-            | Self::UndeterminedParameters { .. }
-            | Self::InvalidStart { .. }
-            | Self::TooLarge { .. }
-            | Self::TooManyPoints { .. } => vec![],
+            Self::InvalidStart { .. } => return option_error(message, "initial"),
+            Self::Diverged { nodes, .. } => {
+                message += "; initial=\"pyramid\" and initial=\"fft\" start closer";
+                nodes
+            }
+            Self::Singular { nodes, .. } => nodes,
+            _ => vec![],
         };
         python::SolveError::new_err((message, nodes))
+    }
+}
+
+impl IntoPyErr for SelfCalibrationError {
+    fn into_py_err(self) -> PyErr {
+        match &self {
+            Self::Images { .. } => option_error(self.to_string(), "images"),
+            Self::Parameters { .. } => option_error(self.to_string(), "parameters"),
+            _ => python::SolveError::new_err(self.to_string()),
+        }
     }
 }
 
@@ -65,7 +91,7 @@ impl IntoPyErr for SyntheticError {
     fn into_py_err(self) -> PyErr {
         let message = self.to_string();
         match self {
-            Self::InvalidOption { .. } => solve_error(message),
+            Self::InvalidOption { option, .. } => option_error(message, option),
             Self::NotVisible { .. } => camera_error(message),
             _ => image_error(message),
         }
@@ -79,11 +105,13 @@ impl IntoPyErr for Error {
             Self::Mesh(error) => error.into_py_err(),
             Self::Image(error) => error.into_py_err(),
             Self::Camera(error) => error.into_py_err(),
+            Self::Option(error) => error.into_py_err(),
             Self::Solve(error) => error.into_py_err(),
+            Self::SelfCalibration(error) => error.into_py_err(),
             Self::MeshOutsideImage { cells, .. } => python::MeshError::new_err((message, cells)),
             Self::SizeMismatch { .. } | Self::Flat { .. } | Self::ReferenceUnavailable { .. } => image_error(message),
-            Self::SelfCalibration(_) => solve_error(message),
             Self::Cancelled => PyKeyboardInterrupt::new_err(message),
+            _ => internal_error(message),
         }
     }
 }
@@ -103,9 +131,15 @@ pub(crate) fn camera_error(message: String) -> PyErr {
     python::CameraError::new_err(message)
 }
 
-/// A `SolveError` without nodes.
-pub(crate) fn solve_error(message: String) -> PyErr {
-    python::SolveError::new_err(message)
+/// An `OptionError` for the argument `option`.
+pub(crate) fn option_error(message: String, option: &str) -> PyErr {
+    python::OptionError::new_err((message, option.to_owned()))
+}
+
+/// An `OptionError` for an argument that its message names.
+pub(crate) fn argument_error(message: String) -> PyErr {
+    let option = message.split_whitespace().next().unwrap_or_default().to_owned();
+    option_error(message, &option)
 }
 
 /// The base class: for faults of fedic itself.

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{describe, rows, to_array};
-use crate::errors::{IntoPyErr, image_error};
+use crate::errors::{IntoPyErr, argument_error, image_error};
 use crate::worker::run;
 
 /// Points per parallel task.
@@ -105,7 +105,9 @@ impl ImageSource for ReferenceImage {
 /// Raises
 /// ------
 /// ImageError
-///     If the image or an option cannot be used.
+///     If the image cannot be used.
+/// OptionError
+///     If another argument cannot be used.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 #[pyo3(signature = (image, pixels, interpolation="bspline3", smoothing=0.0, gradient="analytic"))]
@@ -119,7 +121,7 @@ pub(crate) fn interpolate_image<'py>(
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<f32>>)> {
     let grey = GreyArray::borrow(image, "image")?;
     let view = grey.view("image")?;
-    let pixels = rows::<2>(pixels, "pixels", image_error)?;
+    let pixels = rows::<2>(pixels, "pixels", argument_error)?;
     let interpolation = Interpolation::from_str(interpolation).map_err(IntoPyErr::into_py_err)?;
     let gradient = Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?;
     let (values, gradients) = run(py, None, move |_| {

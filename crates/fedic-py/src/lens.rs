@@ -5,7 +5,7 @@ use numpy::{AllowTypeChange, PyArray, PyArray2, PyArray3, PyArrayLike3, PyArrayM
 use pyo3::prelude::*;
 
 use crate::arrays::{self, rows, to_array};
-use crate::errors::{IntoPyErr, camera_error};
+use crate::errors::{IntoPyErr, argument_error, camera_error};
 use crate::worker::run;
 
 type Domain = (f64, f64, f64, f64);
@@ -72,7 +72,7 @@ macro_rules! lens_methods {
             /// (n, 2) float64
             ///     Distorted retinal points; NaN where it cannot be told.
             fn distort<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-                let (lens, points) = (Distortion::from(self.0.clone()), rows::<2>(points, "points", camera_error)?);
+                let (lens, points) = (Distortion::from(self.0.clone()), rows::<2>(points, "points", argument_error)?);
                 let seen: Vec<[f64; 2]> = py.detach(|| points.iter().map(|&point| lens.distort(point)).collect());
                 to_array(py, &seen)
             }
@@ -89,7 +89,7 @@ macro_rules! lens_methods {
             /// (n, 2) float64
             ///     Retinal points; NaN where there is none, or only beyond a fold of the model.
             fn undistort<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-                let (lens, points) = (Distortion::from(self.0.clone()), rows::<2>(points, "points", camera_error)?);
+                let (lens, points) = (Distortion::from(self.0.clone()), rows::<2>(points, "points", argument_error)?);
                 let undistort = |&point: &[f64; 2]| lens.undistort(point).unwrap_or([f64::NAN; 2]);
                 let found: Vec<[f64; 2]> = py.detach(|| points.iter().map(undistort).collect());
                 to_array(py, &found)
@@ -380,7 +380,7 @@ pub(crate) fn spline_basis<'py>(
     intervals: [usize; 2],
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let points = rows::<2>(points, "points", camera_error)?;
+    let points = rows::<2>(points, "points", argument_error)?;
     let width = intervals.iter().map(|count| count + 3).product();
     let field = SplineField::new(domain, intervals, vec![[0.0; 2]; width]).map_err(IntoPyErr::into_py_err)?;
     let mut entries = vec![0.0; 3 * points.len() * width];

@@ -7,6 +7,7 @@ mod errors;
 mod image;
 mod lens;
 mod mesh;
+mod options;
 mod self_calibration;
 mod speckle;
 mod worker;
@@ -27,10 +28,17 @@ mod _core {
     #[pymodule_export]
     use crate::mesh::{Mesh, rectangle_mesh};
     #[pymodule_export]
+    use crate::options::{PyOptionInfo, check_correlation_options};
+    #[pymodule_export]
     use crate::self_calibration::{SelfCalibration, calibrate_on_specimen};
     #[pymodule_export]
     use crate::speckle::Speckle;
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::options::add_tables(module)
+    }
 }

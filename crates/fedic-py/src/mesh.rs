@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 
 use crate::arrays::{self, indices, matrix, rows, to_array};
-use crate::errors::{IntoPyErr, mesh_error};
+use crate::errors::{IntoPyErr, argument_error, mesh_error};
 use crate::worker::run;
 
 /// A surface mesh.
@@ -32,6 +32,13 @@ use crate::worker::run;
 pub(crate) struct Mesh {
     pub(crate) inner: fedic::Mesh,
     dimension: usize,
+}
+
+/// The mesh of an argument.
+pub(crate) fn any_mesh<'a>(object: &'a Bound<'_, PyAny>) -> PyResult<&'a fedic::Mesh> {
+    let mesh = object.cast::<Mesh>();
+    let refuse = || argument_error(format!("mesh must be a fedic.Mesh, got {}", arrays::describe(object)));
+    mesh.map(|mesh| &mesh.get().inner).map_err(|_| refuse())
 }
 
 #[pymethods]
@@ -130,10 +137,10 @@ impl Mesh {
     ///
     /// Raises
     /// ------
-    /// MeshError
+    /// OptionError
     ///     If the displacement does not have one row per node.
     fn strains<'py>(&self, py: Python<'py>, displacement: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let displacement = rows::<2>(displacement, "displacement", mesh_error)?;
+        let displacement = rows::<2>(displacement, "displacement", argument_error)?;
         self.check_nodal("displacement", displacement.len())?;
         to_array(py, &cell_strains(&self.inner, &displacement))
     }
@@ -154,7 +161,7 @@ impl Mesh {
     ///
     /// Raises
     /// ------
-    /// MeshError
+    /// OptionError
     ///     If the field does not have one row per node.
     fn interpolate<'py>(
         &self,
@@ -162,8 +169,8 @@ impl Mesh {
         nodal: &Bound<'py, PyAny>,
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let field = matrix(nodal, "nodal", mesh_error)?;
-        let (points, _) = arrays::points(points, "points", mesh_error)?;
+        let field = matrix(nodal, "nodal", argument_error)?;
+        let (points, _) = arrays::points(points, "points", argument_error)?;
         let (height, width) = (field.as_array().nrows(), field.as_array().ncols());
         self.check_nodal("nodal", height)?;
         let field: Vec<f64> = field.as_array().iter().copied().collect();
@@ -206,7 +213,7 @@ impl Mesh {
     fn check_nodal(&self, name: &str, found: usize) -> PyResult<()> {
         let expected = self.inner.num_nodes();
         let message = || format!("{name} must have one row per node of the mesh: {expected}, got {found}");
-        if found == expected { Ok(()) } else { Err(mesh_error(message())) }
+        if found == expected { Ok(()) } else { Err(argument_error(message())) }
     }
 }
 

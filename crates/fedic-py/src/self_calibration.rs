@@ -2,26 +2,24 @@
 
 use std::str::FromStr;
 
-use fedic::{Interpolation, Iteration, MotionKind, Parameter, SelfCalibrationOptions};
+use fedic::{Iteration, Parameter};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{describe, rows, to_array};
 use crate::camera::Pinhole;
-use crate::errors::{IntoPyErr, camera_error, mesh_error, solve_error};
+use crate::errors::{argument_error, option_error};
 use crate::image::GreyArray;
-use crate::mesh::Mesh;
+use crate::mesh::any_mesh;
+use crate::options::specimen_options;
 use crate::worker::run;
 
 /// Camera parameters from rigid motions of a specimen; see `fedic.calibrate_on_specimen`.
 ///
 /// ``images`` begins with the reference image; ``translations``, (n - 1, 2), are the motions to start from.
 #[pyfunction]
-#[pyo3(signature = (
-    images, mesh, camera, parameters, translations, *, motion="in-plane", known_translations=false, density=1.0,
-    interpolation="bspline5", smoothing=0.8, brightness=true, noise=None, tolerance=1e-5, max_iterations=50,
-    num_threads=None, progress=None
-))]
+#[pyo3(signature = (images, mesh, camera, parameters, translations, *, progress=None, **options))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn calibrate_on_specimen(
     py: Python<'_>,
@@ -30,49 +28,28 @@ pub(crate) fn calibrate_on_specimen(
     camera: &Bound<'_, PyAny>,
     parameters: Vec<String>,
     translations: &Bound<'_, PyAny>,
-    motion: &str,
-    known_translations: bool,
-    density: f64,
-    interpolation: &str,
-    smoothing: f64,
-    brightness: bool,
-    noise: Option<f64>,
-    tolerance: f64,
-    max_iterations: usize,
-    num_threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
+    options: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<SelfCalibration> {
-    let mesh = mesh
-        .cast::<Mesh>()
-        .map_err(|_| mesh_error(format!("mesh must be a fedic.Mesh, got {}", describe(mesh))))?
-        .get();
+    let mesh = any_mesh(mesh)?;
     let camera = camera
         .cast::<Pinhole>()
-        .map_err(|_| camera_error(format!("camera must be a fedic.Pinhole, got {}", describe(camera))))?
+        .map_err(|_| argument_error(format!("camera must be a fedic.Pinhole, got {}", describe(camera))))?
         .get()
         .0
         .clone();
-    let parameters = parameters.iter().map(|name| Parameter::from_str(name));
-    let parameters = parameters.collect::<Result<Vec<_>, _>>().map_err(IntoPyErr::into_py_err)?;
-    let options = SelfCalibrationOptions {
-        motion: MotionKind::from_str(motion).map_err(IntoPyErr::into_py_err)?,
-        known_translations,
-        density,
-        interpolation: Interpolation::from_str(interpolation).map_err(|error| solve_error(error.to_string()))?,
-        smoothing,
-        brightness,
-        noise,
-        tolerance,
-        max_iterations,
-        num_threads,
-    };
-    let start = rows::<2>(translations, "translations", solve_error)?;
+    let parameters = parameters
+        .iter()
+        .map(|name| Parameter::from_str(name).map_err(|error| option_error(error.to_string(), "parameters")));
+    let parameters = parameters.collect::<PyResult<Vec<_>>>()?;
+    let options = specimen_options(options)?;
+    let start = rows::<2>(translations, "translations", argument_error)?;
     let name = |index: usize| if index == 0 { "the reference image".to_owned() } else { format!("image {index}") };
     let borrowed = images.iter().enumerate().map(|(index, image)| GreyArray::borrow(image, &name(index)));
     let borrowed = borrowed.collect::<PyResult<Vec<_>>>()?;
     let views = borrowed.iter().enumerate().map(|(index, image)| image.view(&name(index)));
     let views = views.collect::<PyResult<Vec<_>>>()?;
-    let (mesh, count) = (&mesh.inner, parameters.len());
+    let count = parameters.len();
     let found = run(py, progress, move |monitor| {
         fedic::calibrate_on_specimen(&views, mesh, &camera, &parameters, &start, &options, monitor)
     })?;

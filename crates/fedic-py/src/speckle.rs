@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays;
-use crate::errors::{IntoPyErr, solve_error};
+use crate::errors::{IntoPyErr, argument_error};
 use crate::worker::run;
 
 /// A continuous speckle of the physical plane, known at any point.
@@ -23,7 +23,7 @@ use crate::worker::run;
 ///
 /// Raises
 /// ------
-/// SolveError
+/// OptionError
 ///     If a parameter is out of its range.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Speckle(fedic_synthetic::Speckle);
@@ -66,7 +66,7 @@ impl Speckle {
     /// (n,) float64
     ///     From 0, black, to 1, the white of the ground.
     fn values<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let points = arrays::plane_points(points, "points", solve_error)?;
+        let points = arrays::plane_points(points, "points", argument_error)?;
         let values = run(py, None, |_| Ok(self.0.values(&points)))?;
         Ok(PyArray1::from_vec(py, values))
     }

@@ -6,9 +6,11 @@ use fedic_mesh::{MeshError, list_indices};
 use thiserror::Error;
 
 use crate::SelfCalibrationError;
+use crate::options::OptionError;
 
 /// Why a correlation could not be prepared or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum Error {
     /// The mesh is at fault.
     #[error(transparent)]
@@ -19,7 +21,10 @@ pub enum Error {
     /// The camera is at fault.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The problem has no solution, or an option is out of its range.
+    /// An option has a value that it cannot take.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// The problem has no solution.
     #[error(transparent)]
     Solve(#[from] SolveError),
     /// The images of a specimen do not give the camera.
@@ -77,17 +82,8 @@ pub enum Error {
 
 /// Why the system could not be solved.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SolveError {
-    /// An option is out of its range.
-    #[error("{option} must be {expected}, got {value}")]
-    InvalidOption {
-        /// Name of the option.
-        option: &'static str,
-        /// What it may be.
-        expected: &'static str,
-        /// The value given.
-        value: String,
-    },
     /// The starting displacement does not have one finite entry per used node.
     #[error("the initial displacement must have one finite value per component and node ({expected} nodes): {found}")]
     InvalidStart {
@@ -130,8 +126,8 @@ pub enum SolveError {
     },
     /// The corrections grow without bound.
     #[error(
-        "the correlation diverged at iteration {iteration}: {} by {correction:.3e} pixels in one step; start closer (initial=\"pyramid\" \
-         or \"fft\"), use larger elements or a regularization length",
+        "the correlation diverged at iteration {iteration}: {} by {correction:.3e} pixels in one step; start closer to the \
+         solution, use larger elements or a regularization length",
         if nodes.len() == 1 { format!("node {} moved", nodes[0]) } else { format!("{} moved", list_indices("node", nodes)) }
     )]
     Diverged {

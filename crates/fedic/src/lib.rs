@@ -71,7 +71,10 @@ pub use fedic_sparse::SparseError;
 pub use interpolation::image_sampler::ImageSampler;
 pub use monitor::{Monitor, Progress, Stage};
 pub use observation::image_source::ImageSource;
-pub use options::{Brightness, Gradient, Hessian, Options, Quadrature};
+pub use options::{
+    Brightness, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue, Options, Quadrature,
+    Range,
+};
 pub use results::solution::{Iteration, Solution};
 pub use self_calibration::{
     MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,

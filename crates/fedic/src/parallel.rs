@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::{Error, Monitor, SolveError};
+use crate::{Error, Monitor, OptionError};
 
 /// Number of cells whose results are kept at once.
 const BLOCK: usize = 2048;
@@ -60,11 +60,9 @@ pub(crate) fn for_each_in_order<S: Default, I: Send, T: Send>(
 ///
 /// # Errors
 ///
-/// [`SolveError::InvalidOption`] if the threads cannot be started.
-pub(crate) fn thread_pool(num_threads: usize) -> Result<ThreadPool, SolveError> {
-    ThreadPoolBuilder::new().num_threads(num_threads).build().map_err(|_| SolveError::InvalidOption {
-        option: "num_threads",
-        expected: "a number of threads that this machine can start",
-        value: num_threads.to_string(),
-    })
+/// [`OptionError`] if the threads cannot be started.
+pub(crate) fn thread_pool(num_threads: usize) -> Result<ThreadPool, OptionError> {
+    let expected = "a number of threads that this machine can start";
+    let pool = ThreadPoolBuilder::new().num_threads(num_threads).build();
+    pool.map_err(|_| OptionError::invalid("num_threads", expected, &num_threads))
 }

@@ -22,7 +22,7 @@ fn bits(solution: &Solution) -> Vec<u64> {
 fn solve(images: &[Image; 2], options: &Options, num_threads: Option<usize>) -> Solution {
     // More cells than one thread takes at once.
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
-    let options = Options { num_threads, ..options.clone() };
+    let options = options.clone().num_threads(num_threads);
     let correlator = Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame), options).unwrap();
     correlator.correlate(images[1].view(), Start::Pyramid).unwrap()
 }
@@ -34,7 +34,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let mesh_rule = |rule| Quadrature::Mesh { rule, density: 1.0 };
     for quadrature in [mesh_rule(Rule::Rotated), mesh_rule(Rule::Diameter), Quadrature::Pixel] {
         for (brightness, hessian) in [(Brightness::Global, Hessian::Initial), (Brightness::Element, Hessian::Updated)] {
-            let options = Options { quadrature, brightness, hessian, ..Options::default() };
+            let options = Options::default().quadrature(quadrature).brightness(brightness).hessian(hessian);
             let alone = solve(&images, &options, Some(1));
             assert!(alone.converged && alone.history.iter().any(|i| i.level > 0), "{:?}", alone.history);
             for num_threads in [Some(1), Some(2), Some(4), None] {
@@ -51,7 +51,7 @@ fn standard_deviations_do_not_depend_on_the_number_of_threads() {
         render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), Motion::translation([0.0; 2]));
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
     let deviations = |num_threads| -> Vec<u64> {
-        let options = Options { smoothing: 0.8, num_threads, ..Options::default() };
+        let options = Options::default().smoothing(0.8).num_threads(num_threads);
         let correlator = Correlator::new(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), options).unwrap();
         let found = correlator.standard_deviations(2.0).unwrap();
         found.as_flattened().iter().map(|deviation| deviation.to_bits()).collect()

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{Motion, mixed_mesh, render, warped_mesh};
 use fedic::{
-    CellType, Correlator, Error, FrontParallel, Image, ImageFrame, Interpolation, Mesh, Monitor, Options, Progress,
-    Quadrature, Rule, SolveError, Start, rectangle_mesh,
+    CellType, Correlator, Error, FrontParallel, Image, ImageFrame, Interpolation, Mesh, Monitor, OptionError, Options,
+    Progress, Quadrature, Rule, SolveError, Start, rectangle_mesh,
 };
 use fedic_synthetic::Speckle;
 
@@ -44,7 +44,7 @@ fn cells_outside_the_image_are_named() {
     // The image ends at 89.5: the last column of cells leaves it.
     let mesh = quads([30.0, 20.0, 90.0, 60.0], 20.0);
     for quadrature in [Quadrature::default(), Quadrature::Pixel] {
-        let error = refused(prepare(&reference, &mesh, Options { quadrature, ..Options::default() }));
+        let error = refused(prepare(&reference, &mesh, Options::default().quadrature(quadrature)));
         assert_eq!(error, Error::MeshOutsideImage { cells: vec![2, 5], num_cells: 6, width: 90, height: 80 });
         assert_eq!(
             error.to_string(),
@@ -85,7 +85,7 @@ fn a_curved_edge_outside_the_image_is_detected() {
     ];
     let points = nodes.iter().map(|p| [p[0], p[1], 0.0]).collect();
     let mesh = Mesh::new(points, &[(CellType::Quad8, (0..8).collect())]).unwrap();
-    let options = Options { quadrature: Quadrature::Mesh { rule: Rule::Edges, density: 100.0 }, ..Options::default() };
+    let options = Options::default().quadrature(Quadrature::Mesh { rule: Rule::Edges, density: 100.0 });
     let result = prepare(&reference, &mesh, options);
     assert_eq!(refused(result), Error::MeshOutsideImage { cells: vec![0], num_cells: 1, width: 90, height: 80 });
 }
@@ -111,7 +111,7 @@ fn the_noise_must_be_zero_or_positive() {
     for noise in [-0.5, f64::NAN, f64::INFINITY] {
         let error = correlator.standard_deviations(noise).unwrap_err();
         assert!(
-            matches!(&error, Error::Solve(SolveError::InvalidOption { option: "noise", value, .. }) if *value == noise.to_string()),
+            matches!(&error, Error::Option(OptionError::Invalid { option: "noise", value, .. }) if *value == noise.to_string()),
             "{error:?}"
         );
     }
@@ -120,7 +120,7 @@ fn the_noise_must_be_zero_or_positive() {
 #[test]
 fn images_without_texture_are_refused() {
     let [reference, _] = images();
-    let exact = Options { smoothing: 0.0, interpolation: Interpolation::Bspline3, ..Options::default() };
+    let exact = Options::default().smoothing(0.0).interpolation(Interpolation::Bspline3);
     let error = refused(prepare(&flat(117.0), &inner_mesh(), exact));
     assert!(matches!(error, Error::Flat { which: "reference", std } if std < 1e-4), "{error:?}");
     assert_eq!(
@@ -142,7 +142,7 @@ fn nodes_with_too_few_quadrature_points_are_named() {
     // One point per cell: 25 equations for 72 unknowns.
     let mesh = quads([20.3, 20.3, 25.3, 25.3], 1.0);
     let quadrature = Quadrature::Mesh { rule: Rule::Edges, density: 1e-3 };
-    let error = refused(prepare(&reference, &mesh, Options { quadrature, ..Options::default() }));
+    let error = refused(prepare(&reference, &mesh, Options::default().quadrature(quadrature)));
     let Error::Solve(SolveError::Singular { nodes, points: 1, unknowns: 8 }) = &error else {
         unreachable!("{error:?}");
     };
@@ -161,7 +161,7 @@ fn nodes_with_too_few_quadrature_points_are_named() {
         "{text}"
     );
     // Smoothing determines them.
-    let options = Options { quadrature, regularization_length: Some(20.0), ..Options::default() };
+    let options = Options::default().quadrature(quadrature).regularization_length(Some(20.0));
     assert!(prepare(&reference, &mesh, options).is_ok());
 }
 
@@ -179,7 +179,7 @@ fn nodes_without_texture_are_named_by_mesh_node_number() {
     assert_eq!(flat_nodes.len(), 12);
     // Splines ripple into the flat side.
     for interpolation in [Interpolation::Bilinear, Interpolation::Bspline3] {
-        let options = Options { interpolation, ..Options::default() };
+        let options = Options::default().interpolation(interpolation);
         match refused(prepare(&half, &shifted, options)) {
             Error::Solve(SolveError::Singular { nodes, .. }) => assert_eq!(nodes, flat_nodes, "{interpolation}"),
             other => unreachable!("{other:?}"),

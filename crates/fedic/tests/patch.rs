@@ -24,7 +24,7 @@ const MOST_ITERATIONS: usize = 7;
 
 fn options(quadrature: Quadrature) -> Options {
     // No smoothing: the filter of the deformed image would not stretch with the material.
-    Options { quadrature, smoothing: 0.0, tolerance: 1e-5, ..Options::default() }
+    Options::default().quadrature(quadrature).smoothing(0.0).tolerance(1e-5)
 }
 
 fn measure(images: &[Image; 2], mesh: &Mesh, camera: &Arc<dyn Camera>, options: Options) -> Solution {
@@ -95,7 +95,7 @@ fn check_in_millimetres(camera: Arc<dyn Camera>, hessian: Hessian) {
     for cell in CellType::ALL {
         let mesh = warped_mesh([-5.03, -4.21, 5.17, 4.33], 2.0, cell, 0.2);
         for quadrature in QUADRATURES {
-            let solution = measure(&images, &mesh, &camera, Options { hessian, ..options(quadrature) });
+            let solution = measure(&images, &mesh, &camera, options(quadrature).hessian(hessian));
             let error = largest_error(&mesh, &solution.displacement, motion);
             assert!(error < accepted(cell) / PIXELS_PER_MILLIMETRE, "{cell}, {quadrature:?}: {error:e} mm");
             for ((point, u), in_pixels) in

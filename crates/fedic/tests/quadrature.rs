@@ -14,7 +14,7 @@ use fedic_synthetic::Speckle;
 fn points(camera: Arc<dyn Camera>, mesh: &Mesh, quadrature: Quadrature) -> (Vec<[f64; 3]>, Vec<f64>, Vec<usize>) {
     let speckle = Speckle::new(5.0, 0.5, 2).unwrap();
     let [image, _] = render(&ImageFrame, [100, 90], speckle, Motion::translation([0.0; 2]));
-    let options = Options { quadrature, ..Options::default() };
+    let options = Options::default().quadrature(quadrature);
     let correlator = Correlator::new(Arc::new(image.clone()), mesh, camera, options).unwrap();
     let found = correlator.quadrature_points();
     assert_eq!([found.0.len(), found.1.len(), found.2.len()], [correlator.num_points(); 3]);

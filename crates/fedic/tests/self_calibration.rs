@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use fedic::{
-    BrownDistortion, CellType, Error, Image, Mesh, Monitor, MotionKind, Parameter, Pinhole, SelfCalibration,
-    SelfCalibrationError, SelfCalibrationOptions, SolveError, calibrate_on_specimen, rectangle_mesh,
+    BrownDistortion, CellType, Error, Image, Mesh, Monitor, MotionKind, OptionError, Parameter, Pinhole,
+    SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen, rectangle_mesh,
     rotation_from_vector, unproject,
 };
 use fedic_synthetic::Speckle;
@@ -48,7 +48,7 @@ const LENS: [Parameter; 3] = [Parameter::K1, Parameter::Cx, Parameter::Cy];
 #[test]
 fn lens_centre_and_motions_are_recovered() {
     for motion in [MotionKind::Translation, MotionKind::InPlane, MotionKind::Spatial] {
-        let options = SelfCalibrationOptions { motion, smoothing: 0.0, ..SelfCalibrationOptions::default() };
+        let options = SelfCalibrationOptions::default().motion(motion).smoothing(0.0);
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
         assert!(found.converged, "{:?}", found.history);
         let k1 = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
@@ -66,7 +66,7 @@ fn lens_centre_and_motions_are_recovered() {
 
 #[test]
 fn known_translations_determine_the_scale() {
-    let options = SelfCalibrationOptions { known_translations: true, ..SelfCalibrationOptions::default() };
+    let options = SelfCalibrationOptions::default().known_translations(true);
     let images: Vec<Image> = std::iter::once(&[0.0; 2]).chain(&MOTIONS).map(|&motion| image(motion)).collect();
     let views: Vec<_> = images.iter().map(Image::view).collect();
     let start = camera(K1, CENTRE).moved_by(&[Parameter::Fx, Parameter::Tz], &[6.0, -3.0]).unwrap();
@@ -83,7 +83,7 @@ fn known_translations_determine_the_scale() {
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let bits = |num_threads| -> Vec<u64> {
-        let options = SelfCalibrationOptions { num_threads, ..SelfCalibrationOptions::default() };
+        let options = SelfCalibrationOptions::default().num_threads(num_threads);
         let found = calibrate(&MOTIONS, &LENS, &options, &()).unwrap();
         let lens = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
         let motions = found.motions.iter().chain(&found.motion_deviations).flatten();
@@ -154,11 +154,11 @@ fn bad_input_is_refused() {
     assert!(calibrate(&views, &[k1[0]; 2], &MOTIONS[..1], options()).contains("k1 is named twice"));
     assert!(calibrate(&[views[0], small.view()], &k1, &MOTIONS[..1], options()).contains("20 x 20"));
     assert!(calibrate(&[flat.view(); 2], &k1, &MOTIONS[..1], options()).contains("flat where the mesh lies"));
-    let noise = SelfCalibrationOptions { noise: Some(-1.0), ..options() };
+    let noise = options().noise(Some(-1.0));
     assert!(calibrate(&views, &k1, &MOTIONS[..1], noise).contains("noise must be zero or a positive"));
-    let density = SelfCalibrationOptions { density: 0.0, ..options() };
+    let density = options().density(0.0);
     assert!(calibrate(&views, &k1, &MOTIONS[..1], density).contains("density must be"));
-    assert!(matches!("sideways".parse::<MotionKind>(), Err(SolveError::InvalidOption { option: "motion", .. })));
+    assert!(matches!("sideways".parse::<MotionKind>(), Err(OptionError::Invalid { option: "motion", .. })));
 }
 
 #[test]

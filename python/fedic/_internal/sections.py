@@ -18,9 +18,7 @@ else:
     import tomli as tomllib
 
 __all__ = [
-    "Count",
     "InFolder",
-    "NotNegative",
     "Positive",
     "Real",
     "Schema",
@@ -44,8 +42,6 @@ def in_folder(path: Path, info: ValidationInfo) -> Path:
 
 Real: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
-NotNegative: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
-Count: TypeAlias = Annotated[int, Field(strict=True, ge=1)]
 InFolder: TypeAlias = Annotated[Path, AfterValidator(in_folder)]
 
 

@@ -2,20 +2,25 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fedic import _core
-from fedic._core import BrownDistortion, Mesh, Pinhole
+from fedic._core import SPECIMEN_OPTIONS, BrownDistortion, Mesh, Pinhole
 from fedic._internal.types import Camera, Floats, Image
-from fedic.correlation import Interpolation
-from fedic.errors import CameraError, ImageError, MeshError, SolveError
+from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
+from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
 from fedic.result import Iteration
 from fedic.starts.fft import translation_start
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from fedic.options import SpecimenOptions
 
 __all__ = ["SpecimenCalibration", "calibrate_on_specimen"]
 
@@ -81,6 +86,7 @@ class SpecimenCalibration:
         return {name: float(deviation) for name, deviation in zip(self.parameters, deviations, strict=True)}
 
 
+@with_options(SPECIMEN_OPTIONS)
 def calibrate_on_specimen(
     reference: Image,
     images: Sequence[Image],
@@ -88,18 +94,9 @@ def calibrate_on_specimen(
     camera: Pinhole,
     parameters: Sequence[str] = ("k1", "cx", "cy"),
     *,
-    motion: Literal["translation", "in-plane", "spatial"] = "in-plane",
     translations: ArrayLike | None = None,
-    known_translations: bool = False,
-    noise: float | None = None,
-    density: float = 1.0,
-    interpolation: Interpolation = "bspline5",
-    smoothing: float = 0.8,
-    brightness: Literal["global"] | None = "global",
-    tolerance: float = 1e-5,
-    max_iterations: int = 50,
-    num_threads: int | None = None,
     progress: ProgressCallback | None = None,
+    **options: "Unpack[SpecimenOptions]",
 ) -> SpecimenCalibration:
     """Find parameters of the camera from rigid motions of the flat specimen: a calibration without a target.
 
@@ -122,28 +119,12 @@ def calibrate_on_specimen(
     parameters : sequence of str
         Any of ``k1, k2, k3, d1, d2, p1, p2`` (see `BrownDistortion`), ``cx, cy, fx, fy`` (pixels), ``rx, ry, rz``
         (rotation about the camera's axes, from where it is) and ``tx, ty, tz`` (translation).
-    motion : {"translation", "in-plane", "spatial"}
-        The motions: along ``X`` and ``Y``; these and a rotation about ``Z``; or any rigid motion, for a stage that
-        leaves the plane.
     translations : array_like of shape (n, 2), optional
         Translation of the specimen along ``X`` and ``Y`` in each image, in the mesh's unit and to a few pixels; found
         by cross-correlation unless given.
-    known_translations : bool
-        Whether `translations` are exact: they are then held and give the scale.
-    noise : float, optional
-        Standard deviation of the noise of one image as recorded, in grey levels; from the residual unless given.
-    density : float
-        Quadrature points per pixel.
-    interpolation, smoothing, num_threads
-        See `Correlator`.
-    brightness : {"global"} or None
-        Whether a gain and an offset of each image are found too.
-    tolerance : float
-        Stop when a correction moves the images by less than this, in pixels (root mean square).
-    max_iterations : int
-        Largest number of iterations on the full images.
     progress : callable, optional
         See `Correlator.correlate`.
+    {options}
 
     Returns
     -------
@@ -154,8 +135,9 @@ def calibrate_on_specimen(
     ------
     ImageError
         If there is no image, or one cannot be used or is not of the size of the reference.
-    CameraError
-        If the camera is no `Pinhole` or a parameter is unknown.
+    OptionError
+        If the camera is not a `Pinhole`, a parameter is unknown, or an option has the wrong type or lies outside its
+        range.
     SolveError
         If the specimen does not move, an image does not match, or the images do not determine a parameter: the message
         names it.
@@ -175,27 +157,14 @@ def calibrate_on_specimen(
     """
     reference = as_image(reference, "reference")
     moved = _checked_images(reference, images)
+    arguments = core_options(options, SPECIMEN_OPTIONS, ("translations", "progress"))
     if not isinstance(mesh, Mesh):
-        raise MeshError(f"calibrate_on_specimen: mesh must be a fedic.Mesh, got a {type(mesh).__name__}.")
+        raise OptionError(f"mesh must be a fedic.Mesh, got a {type(mesh).__name__}.", "mesh")
     names = _checked_names(camera, parameters)
-    start = _start(reference, moved, mesh, camera, translations, known_translations)
+    known = bool(options.get("known_translations", False))
+    start = _start(reference, moved, mesh, camera, translations, known)
     found = _core.calibrate_on_specimen(
-        [reference, *moved],
-        mesh,
-        camera,
-        list(names),
-        start,
-        motion=motion,
-        known_translations=known_translations,
-        density=density,
-        interpolation=interpolation,
-        smoothing=smoothing,
-        brightness=brightness is not None,
-        noise=noise,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        num_threads=num_threads,
-        progress=core_callback(progress),
+        [reference, *moved], mesh, camera, list(names), start, progress=core_callback(progress), **arguments
     )
     return SpecimenCalibration(
         camera=found.camera,
@@ -214,14 +183,14 @@ def calibrate_on_specimen(
 
 def _checked_images(reference: Image, images: Sequence[Image]) -> list[Image]:
     if isinstance(images, np.ndarray) and images.ndim == 2:
-        raise ImageError("calibrate_on_specimen: images is one image; give a list of images of the specimen moved.")
+        raise OptionError("images is one image; give a list of images of the specimen moved.", "images")
     checked = [as_image(image, f"moved (images[{index}])") for index, image in enumerate(images)]
     if not checked:
-        raise ImageError("calibrate_on_specimen: images is empty; give at least one image of the specimen moved.")
+        raise OptionError("images is empty; give at least one image of the specimen moved.", "images")
     for index, image in enumerate(checked):
         if image.shape != reference.shape:
             raise ImageError(
-                f"calibrate_on_specimen: images[{index}] has shape {image.shape} and the reference {reference.shape}; "
+                f"images[{index}] has shape {image.shape} and the reference {reference.shape}; "
                 "all must come from the same sensor area."
             )
     return checked
@@ -229,12 +198,13 @@ def _checked_images(reference: Image, images: Sequence[Image]) -> list[Image]:
 
 def _checked_names(camera: Camera, parameters: Sequence[str]) -> tuple[str, ...]:
     if not isinstance(camera, Pinhole):
-        raise CameraError(
-            f"calibrate_on_specimen: {type(camera).__name__} has no parameters to be found; give a Pinhole whose focal "
-            "length and distance are those of the set-up."
+        raise OptionError(
+            f"camera: {type(camera).__name__} has no parameters to be found; give a Pinhole whose focal length and "
+            "distance are those of the set-up.",
+            "camera",
         )
     if isinstance(parameters, str):
-        raise CameraError(f'calibrate_on_specimen: parameters is {parameters!r}; give a sequence such as ("k1",).')
+        raise OptionError(f'parameters is {parameters!r}; give a sequence such as ("k1",).', "parameters")
     return tuple(str(name) for name in parameters)
 
 
@@ -248,16 +218,17 @@ def _start(
 ) -> Floats:
     if translations is None:
         if known:
-            raise SolveError("calibrate_on_specimen: known_translations needs the translations.")
+            raise OptionError("known_translations needs the translations.", "known_translations")
         return np.array([translation_start(reference, image, mesh, camera) for image in moved])
     try:
         start = np.array(translations, dtype=np.float64)
     except (TypeError, ValueError):
         start = np.empty(0)
     if start.shape != (len(moved), 2) or not np.isfinite(start).all():
-        raise SolveError(
-            f"calibrate_on_specimen: translations must hold a finite pair (X, Y) for each of the {len(moved)} images, "
-            f"shape ({len(moved)}, 2); got shape {start.shape}."
+        raise OptionError(
+            f"translations must hold a finite pair (X, Y) for each of the {len(moved)} images, "
+            f"shape ({len(moved)}, 2); got shape {start.shape}.",
+            "translations",
         )
     return start
 

@@ -2,7 +2,7 @@
 
 import glob
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from pydantic import (
@@ -17,9 +17,7 @@ from pydantic import (
 
 from fedic._core import Mesh, Pinhole, rectangle_mesh
 from fedic._internal.sections import (
-    Count,
     InFolder,
-    NotNegative,
     Positive,
     Real,
     Schema,
@@ -32,10 +30,10 @@ from fedic._internal.types import Camera, CellName
 from fedic.cameras.files import read_camera
 from fedic.cameras.poses import posed
 from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
+from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
-from fedic.quadrature import MeshQuadrature, PixelQuadrature, Quadrature
 
 __all__ = ["Config", "load_config"]
 
@@ -131,36 +129,6 @@ class CameraFileSection(Section):
             camera.rotation if self.rotation is None else np.asarray(self.rotation, dtype=np.float64),
             np.asarray(camera.translation if self.translation is None else self.translation),
         )
-
-
-class CorrelationSection(Section):
-    """``[correlation]``: the options of `fedic.correlate`."""
-
-    quadrature: Literal["rotated", "edges", "diameter", "pixel"] = "rotated"
-    density: Positive = 1.0
-    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline5"
-    gradient: Literal["analytic", "finite-difference"] = "analytic"
-    smoothing: NotNegative = 0.8
-    brightness: Literal["global", "element", "none"] = "global"
-    hessian: Literal["initial", "updated"] = "initial"
-    initial: Literal["none", "pyramid", "fft"] = "none"
-    regularization_length: Positive | None = None
-    tolerance: Positive = 1e-3
-    max_iterations: Count = 50
-    num_threads: Count | None = None
-
-    def options(self) -> dict[str, Any]:
-        """Return the keyword arguments of `fedic.Correlator`."""
-        options = self.model_dump(exclude={"quadrature", "density"})
-        options["quadrature"] = self._quadrature()
-        options["brightness"] = None if self.brightness == "none" else self.brightness
-        options["initial"] = None if self.initial == "none" else self.initial
-        return options
-
-    def _quadrature(self) -> Quadrature:
-        if self.quadrature == "pixel":
-            return PixelQuadrature()
-        return MeshQuadrature(density=self.density, rule=self.quadrature)
 
 
 class OutputSection(Section):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
+from fedic.io._files import remember_file
 
 __all__ = ["as_image", "as_pair", "let_go", "own_image", "read_image"]
 
@@ -64,6 +65,7 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
     image = _decode_tiff(path, mapped=mapped) if is_tiff else _decode_intact(path, data)
     if mapped:
         _freeze(image)
+    remember_file(image, path)
     return image
 
 

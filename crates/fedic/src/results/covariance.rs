@@ -21,11 +21,12 @@ use crate::kernels::cell_matrix::CellMatrix;
 use crate::observation::cell_context::{CellContext, exact_sensitivity};
 use crate::observation::observe::Observation;
 use crate::observation::workspace::Workspace;
+use crate::options::{NOISE, OptionType};
 use crate::parallel::for_each_in_order;
 use crate::projection::cell_projection::CellProjection;
 use crate::projection::pointwise::BATCH;
 use crate::projection::projected_points::{ProjectedPoint, project_nodes};
-use crate::{Error, Monitor, Options, SolveError};
+use crate::{Error, Monitor, Options};
 
 /// Number of nodes whose unknowns are solved for at once.
 const NODES: usize = 16;
@@ -41,7 +42,7 @@ pub(crate) fn pixels_averaged(smoothing: f64) -> f64 {
 ///
 /// # Errors
 ///
-/// [`SolveError::InvalidOption`] if `noise` is negative or not finite; [`Error::Cancelled`] if `monitor` asks to stop.
+/// [`Error::Option`] if `noise` is negative or not finite; [`Error::Cancelled`] if `monitor` asks to stop.
 pub(crate) fn standard_deviations<const D: usize>(
     dofs: &Dofs<D>,
     (observation, factor): (&Observation<D>, &Factor),
@@ -50,13 +51,7 @@ pub(crate) fn standard_deviations<const D: usize>(
     noise: f64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<[f64; D]>, Error> {
-    if !(noise.is_finite() && noise >= 0.0) {
-        return Err(Error::Solve(SolveError::InvalidOption {
-            option: "noise",
-            expected: "zero or a positive standard deviation in grey levels",
-            value: noise.to_string(),
-        }));
-    }
+    noise.check("noise", Some(NOISE))?;
     let noise_pass = NoisePass {
         dofs,
         observation,

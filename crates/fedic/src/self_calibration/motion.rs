@@ -1,24 +1,23 @@
 //! Rigid motions of the specimen.
 
-use std::str::FromStr;
-
 use nalgebra::{Rotation3, Vector3};
 
-use crate::SolveError;
+use crate::options::choices;
 
 /// Numbers of a rigid motion: translation along `X, Y, Z` and rotation about them.
 pub const RIGID: usize = 6;
 
-/// Which rigid motions the specimen may have made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MotionKind {
-    /// Along `X` and `Y`.
-    Translation,
-    /// Along `X` and `Y`, and about `Z`.
-    #[default]
-    InPlane,
-    /// Any: of a stage that also leaves the plane.
-    Spatial,
+choices! {
+    /// Rigid motions that the specimen may have made.
+    pub enum MotionKind("motion") {
+        /// Along `X` and `Y`.
+        Translation = "translation",
+        /// Along `X` and `Y`, and about `Z`.
+        #[default]
+        InPlane = "in-plane",
+        /// Any, also those of a stage that leaves the plane.
+        Spatial = "spatial",
+    }
 }
 
 impl MotionKind {
@@ -28,23 +27,6 @@ impl MotionKind {
             Self::Translation => &[0, 1],
             Self::InPlane => &[0, 1, 5],
             Self::Spatial => &[0, 1, 2, 3, 4, 5],
-        }
-    }
-}
-
-impl FromStr for MotionKind {
-    type Err = SolveError;
-
-    fn from_str(name: &str) -> Result<Self, SolveError> {
-        match name {
-            "translation" => Ok(Self::Translation),
-            "in-plane" => Ok(Self::InPlane),
-            "spatial" => Ok(Self::Spatial),
-            _ => Err(SolveError::InvalidOption {
-                option: "motion",
-                expected: "\"translation\", \"in-plane\" or \"spatial\"",
-                value: format!("\"{name}\""),
-            }),
         }
     }
 }

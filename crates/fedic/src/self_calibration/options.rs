@@ -1,68 +1,33 @@
-//! What the user chooses.
+//! Options of the specimen calibration.
 
 use fedic_image::Interpolation;
 
+use crate::options::{DENSITY, MAX_ITERATIONS, NOISE, NUM_THREADS, SMOOTHING, TOLERANCE, declare_options};
 use crate::self_calibration::motion::MotionKind;
-use crate::{Options, Quadrature, Rule, SolveError};
 
-/// Options of [`calibrate_on_specimen`](crate::calibrate_on_specimen).
-#[derive(Debug, Clone, PartialEq)]
-pub struct SelfCalibrationOptions {
-    /// Which motions the specimen may have made.
-    pub motion: MotionKind,
-    /// Whether the translations given as the start are true: they are then held, and give the scale.
-    pub known_translations: bool,
-    /// Quadrature points per pixel of the reference image.
-    pub density: f64,
-    /// Interpolation of the images.
-    pub interpolation: Interpolation,
-    /// Standard deviation, in pixels, of a Gaussian filter applied to the images first; 0 for none.
-    pub smoothing: f64,
-    /// Whether gain and offset of each image are unknown too.
-    pub brightness: bool,
-    /// Standard deviation of the noise of one image as recorded, in grey levels; from the residual where it is `None`.
-    pub noise: Option<f64>,
-    /// The iteration stops when the root mean square of what a correction moves in the images is below this, in pixels.
-    pub tolerance: f64,
-    /// Most iterations on the images at full resolution.
-    pub max_iterations: usize,
-    /// Threads to use; `None` uses the rayon pool of the caller. The result does not depend on it.
-    pub num_threads: Option<usize>,
-}
-
-impl Default for SelfCalibrationOptions {
-    fn default() -> Self {
-        Self {
-            motion: MotionKind::default(),
-            known_translations: false,
-            density: 1.0,
-            interpolation: Interpolation::Bspline5,
-            smoothing: 0.8,
-            brightness: true,
-            noise: None,
-            tolerance: 1e-5,
-            max_iterations: 50,
-            num_threads: None,
-        }
-    }
-}
-
-impl SelfCalibrationOptions {
-    /// Checks every range.
-    pub(crate) fn check(&self) -> Result<(), SolveError> {
-        let shared = Options {
-            quadrature: Quadrature::Mesh { rule: Rule::default(), density: self.density },
-            smoothing: self.smoothing,
-            tolerance: self.tolerance,
-            max_iterations: self.max_iterations,
-            num_threads: self.num_threads,
-            ..Options::default()
-        };
-        shared.check()?;
-        if let Some(noise) = self.noise.filter(|noise| !(noise.is_finite() && *noise >= 0.0)) {
-            let expected = "zero or a positive standard deviation in grey levels";
-            return Err(SolveError::InvalidOption { option: "noise", expected, value: noise.to_string() });
-        }
-        Ok(())
+declare_options! {
+    /// Options of [`calibrate_on_specimen`](crate::calibrate_on_specimen).
+    pub struct SelfCalibrationOptions {
+        /// Motions that the specimen may have made: `translation`, along X and Y; `in-plane`, also about Z; or `spatial`, any.
+        motion: MotionKind = MotionKind::default();
+        /// Whether the given translations are exact. They are then kept, and determine the scale; otherwise they are the start.
+        known_translations: bool = false;
+        /// Quadrature points per pixel of the reference image.
+        density: f64 = 1.0, in DENSITY;
+        /// Interpolation of the images between pixels.
+        interpolation: Interpolation = Interpolation::default();
+        /// Standard deviation, in pixels, of a Gaussian smoothing of the images; 0 for none.
+        smoothing: f64 = 0.8, in SMOOTHING;
+        /// Whether a gain and an offset of each image are unknown too.
+        gain_and_offset: bool = true;
+        /// Standard deviation of the noise of one image as recorded, in grey levels; estimated from the residual by default.
+        noise: Option<f64> = None, in NOISE;
+        /// The iterations stop when the root mean square of the motion in the images caused by a correction is below this, in
+        /// pixels.
+        tolerance: f64 = 1e-5, in TOLERANCE;
+        /// Largest number of iterations on the images at full resolution.
+        max_iterations: usize = 50, in MAX_ITERATIONS;
+        /// Number of threads; all processors by default. The result does not depend on it.
+        num_threads: Option<usize> = None, in NUM_THREADS;
     }
 }

@@ -50,7 +50,7 @@ pub(crate) fn solve(
         mesh,
         parameters,
         components: if options.known_translations { &components[2..] } else { components },
-        brightness: options.brightness,
+        brightness: options.gain_and_offset,
         images: images.len(),
         pivot: images[0].statistics().0,
         reach: REACH * (size[0] as f64).hypot(size[1] as f64),
