@@ -1,8 +1,8 @@
-"""Compare the factorisation with CHOLMOD on the same matrices: python cholesky.py [--help].
+"""Compare the Cholesky factorization with CHOLMOD on the same matrices: python cholesky.py [--help].
 
-The matrices are those of a grid of quads and of a mesh of triangles with a hole, two unknowns per node. Every
-factorisation runs in a process of its own; the shortest of its repetitions counts, and its peak memory beyond what it
-held before.
+The matrices are those of a grid of quads and of a mesh of triangles with a hole, with two degrees of freedom per node.
+Each factorization runs in its own process. Reported are the shortest time of its repetitions and the growth of its peak
+memory.
 """
 
 import argparse
@@ -40,7 +40,7 @@ def quads(dofs: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def triangles(dofs: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return nodes and cells of a square with a round hole, as gmsh meshes and numbers it."""
+    """Return nodes and cells of a square with a round hole, meshed by gmsh."""
     import fedic
 
     angle = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
@@ -52,27 +52,26 @@ def triangles(dofs: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def save(folder: Path, points: NDArray[np.float64], cells: NDArray[np.int64]) -> None:
-    """Leave a mesh where the Rust example looks for it."""
+    """Write a mesh in the format of the Rust example."""
     np.ascontiguousarray(points, dtype="<f8").tofile(folder / "points.f64")
     np.concatenate([[cells.shape[1]], cells.ravel()]).astype("<u4").tofile(folder / "cells.u32")
 
 
 def run(command: list[Any], threads: int) -> Row:
-    """Run a factorisation and return what it says, or why there is none."""
+    """Run a factorization and return its report, or the reason of its failure."""
     environment = os.environ | dict.fromkeys(THREAD_VARIABLES, str(threads))
     found = subprocess.run(
         [str(part) for part in command], env=environment, check=False, capture_output=True, text=True
     )
     if found.returncode != 0:
         return {"absent": (found.stderr.splitlines() or ["failed"])[-1]}
-    # A figure that CHOLMOD does not give is not a number.
-    said = {name: math.nan if value is None else value for name, value in read_report(found.stdout).items()}
-    return {"threads": threads, **said}
+    report = {name: math.nan if value is None else value for name, value in read_report(found.stdout).items()}
+    return {"threads": threads, **report}
 
 
 def shown(rows: list[tuple[str, str, Row]]) -> Table:
-    """Lay the rows out, each figure with its ratio to the best of CHOLMOD on this mesh."""
-    table = Table(title="Cholesky factorisation; in brackets: over the best of CHOLMOD", box=box.SIMPLE_HEAD)
+    """Tabulate the rows, with the ratio of each figure to the best of CHOLMOD on the same mesh."""
+    table = Table(title="Cholesky factorization; in brackets: relative to the best of CHOLMOD", box=box.SIMPLE_HEAD)
     for column in COLUMNS:
         table.add_column(column, justify="left" if column in ("mesh", "package") else "right", no_wrap=True)
     for mesh, package, row in rows:
@@ -98,12 +97,12 @@ def shown(rows: list[tuple[str, str, Row]]) -> Table:
 
 
 def main() -> None:
-    """Measure every mesh with fedic on each number of threads and with CHOLMOD in each order, then show one table."""
+    """Measure fedic and CHOLMOD, with each of its orderings, on every mesh and number of threads; print one table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--dofs", type=float, nargs="+", default=[1e4, 1e5, 1e6], help="unknowns, about")
+    parser.add_argument("--dofs", type=float, nargs="+", default=[1e4, 1e5, 1e6], help="approximate degrees of freedom")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--seconds", type=float, default=3.0, help="how long each step is repeated")
-    parser.add_argument("--peer-python", default=sys.executable, help="interpreter that has scikit-sparse 0.4")
+    parser.add_argument("--seconds", type=float, default=3.0, help="duration of the repetitions of each step")
+    parser.add_argument("--peer-python", default=sys.executable, help="interpreter with scikit-sparse 0.4")
     given = parser.parse_args()
     build = ["cargo", "build", "--quiet", "--release", "--package", "fedic-sparse", "--example", EXAMPLE.name]
     subprocess.run(build, cwd=ROOT, check=True)
@@ -114,10 +113,10 @@ def main() -> None:
                 folder = Path(temporary)
                 save(folder, *make(int(dofs)))
                 mesh = f"{name} {dofs:.0e}"
-                for kind in ("double", "compact", "degree"):
+                for precision in ("double", "compact"):
                     for threads in given.threads:
-                        row = run([EXAMPLE, folder, threads, given.seconds, kind], threads)
-                        rows.append((mesh, f"fedic {kind}", row))
+                        row = run([EXAMPLE, folder, threads, given.seconds, precision], threads)
+                        rows.append((mesh, f"fedic {precision}", row))
                 for order in PEER_ORDERS:
                     for threads in given.threads:
                         command = [given.peer_python, HERE / "cholmod.py", folder, order, given.seconds]

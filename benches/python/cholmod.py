@@ -1,6 +1,6 @@
-"""Factorise a matrix with CHOLMOD, through scikit-sparse 0.4: python cholmod.py FOLDER ORDER SECONDS.
+"""Factorize a matrix with CHOLMOD, through scikit-sparse 0.4: python cholmod.py FOLDER ORDER SECONDS.
 
-The folder is one that the example ``factorize`` left its matrix in.
+``FOLDER`` holds a matrix written by the example ``factorize`` of the fedic-sparse crate.
 """
 
 import sys
@@ -15,7 +15,7 @@ from sksparse import cholmod  # type: ignore[import-not-found]
 
 
 def fastest(run: Callable[[], Any], seconds: float) -> tuple[float, Any]:
-    """Return the shortest time of some runs, and what the last one made."""
+    """Return the shortest time of repeated runs, and the last result."""
     begin, best = time.perf_counter(), float("inf")
     while True:
         start = time.perf_counter()
@@ -25,14 +25,14 @@ def fastest(run: Callable[[], Any], seconds: float) -> tuple[float, Any]:
             return best, made
 
 
-def held(name: str) -> float:
-    """Return megabytes of this process, by their name in the system's report."""
+def memory(name: str) -> float:
+    """Return a field of ``/proc/self/status`` in megabytes."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(float(line.split()[1]) * 1.024e-3 for line in lines if line.startswith(name))
 
 
 def main() -> None:
-    """Print the same report as the example."""
+    """Print the report that the example prints."""
     folder, order, seconds = Path(sys.argv[1]), sys.argv[2], float(sys.argv[3])
     starts, rows = (np.fromfile(folder / f"{name}.i32", dtype="<i4") for name in ("starts", "rows"))
     values = np.fromfile(folder / "values.f64", dtype="<f8")
@@ -42,11 +42,11 @@ def main() -> None:
     exact = np.sin(np.arange(dofs))
     load = symmetric @ exact
     del symmetric
-    before = held("VmRSS")
+    before = memory("VmRSS")
     symbolic, plan = fastest(lambda: cholmod.analyze(matrix, ordering_method=order, mode="supernodal"), seconds)
     numeric, factor = fastest(lambda: plan.cholesky(matrix), seconds)
     solve, found = fastest(lambda: factor(load), seconds)
-    peak = held("VmHWM") - before
+    peak = memory("VmHWM") - before
     entries = factor.L().nnz if dofs < 300_000 else float("nan")  # a copy of the factor
     error = np.abs(found - exact).max()
     sys.stdout.write(

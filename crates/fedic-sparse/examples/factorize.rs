@@ -1,41 +1,46 @@
-//! Factorises the system of a mesh and says what it took; `benches/python/cholesky.py` compares it with CHOLMOD.
+//! Factorizes the system of a mesh and reports time and memory; `benches/python/cholesky.py` compares it with CHOLMOD.
 //!
-//!     factorize FOLDER THREADS SECONDS KIND
+//!     factorize FOLDER THREADS SECONDS PRECISION
 //!
-//! The kind is `double`, `compact` (a factor in single precision) or `degree` (double, ordered by minimum degree).
-//! The folder holds `points.f64` (two numbers per node) and `cells.u32` (nodes per cell, then those of each cell); the
-//! matrix is left there for others: `starts.i32`, `rows.i32`, `values.f64`, the lower triangle by columns.
+//! `PRECISION` is `double` or `compact` (the factor is stored in single precision). `FOLDER` holds `points.f64` (two
+//! coordinates per node) and `cells.u32` (nodes per cell, then the nodes of each cell). The matrix is written there for
+//! other solvers: `starts.i32`, `rows.i32`, `values.f64`, the lower triangle by columns.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
+mod common;
+
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use fedic_sparse::{Cholesky, Pattern, SymmetricMatrix};
+use common::{fastest, peak, resident};
+use fedic_sparse::{Cholesky, Pattern, SpdFactor, SpdSolver, SymmetricMatrix};
 
-/// Unknowns per node.
-const BLOCK: usize = 2;
+/// Degrees of freedom per node.
+const COMPONENTS: usize = 2;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let (folder, threads) = (Path::new(&arguments[1]), arguments[2].parse().unwrap());
-    let seconds = Duration::from_secs_f64(arguments[3].parse().unwrap());
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .unwrap()
-        .install(|| measure(folder, seconds, &arguments[4]));
+    let duration = Duration::from_secs_f64(arguments[3].parse().unwrap());
+    let compact = match arguments[4].as_str() {
+        "double" => false,
+        "compact" => true,
+        other => panic!("the precision is double or compact, not {other}"),
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| measure(folder, duration, compact));
 }
 
-fn measure(folder: &Path, seconds: Duration, kind: &str) {
+fn measure(folder: &Path, duration: Duration, compact: bool) {
     let read = |name: &str| fs::read(folder.join(name)).unwrap();
-    let coordinates: Vec<f64> = numbers(&read("points.f64"), f64::from_le_bytes);
-    let cells: Vec<u32> = numbers(&read("cells.u32"), u32::from_le_bytes);
+    let coordinates: Vec<f64> = parse(&read("points.f64"), f64::from_le_bytes);
+    let cells: Vec<u32> = parse(&read("cells.u32"), u32::from_le_bytes);
     let (width, cells) = (cells[0] as usize, &cells[1..]);
     let points: Vec<[f64; 3]> = coordinates.chunks_exact(2).map(|p| [p[0], p[1], 0.0]).collect();
-    let pattern = Pattern::new(points.len(), BLOCK, cells.chunks_exact(width));
-    let matrix = assemble(&pattern);
+    let pattern = Pattern::new(points.len(), COMPONENTS, cells.chunks_exact(width));
+    let matrix = diagonally_dominant(&pattern);
     let (starts, rows) = pattern.lower_triangle();
     let as_bytes =
         |indices: Vec<usize>| -> Vec<u8> { indices.iter().flat_map(|&i| (i as i32).to_le_bytes()).collect() };
@@ -45,18 +50,14 @@ fn measure(folder: &Path, seconds: Duration, kind: &str) {
         .unwrap();
 
     let before = resident();
-    let (symbolic, cholesky) = fastest(seconds, || match kind {
-        "degree" => Cholesky::new(&pattern).unwrap(),
-        _ => Cholesky::of_mesh(&pattern, &points).unwrap(),
-    });
-    let (numeric, factor) = fastest(seconds, || match kind {
-        "compact" => cholesky.factorize_compact(&matrix).unwrap(),
-        _ => cholesky.factorize(&matrix).unwrap(),
+    let (symbolic, cholesky) = fastest(duration, || Cholesky::new(&pattern, &points).unwrap());
+    let (numeric, factor) = fastest(duration, || {
+        if compact { cholesky.factorize_compact(&matrix) } else { cholesky.factorize(&matrix) }.unwrap()
     });
     let exact: Vec<f64> = (0..pattern.num_dofs()).map(|k| (k as f64).sin()).collect();
-    let loads = matrix.multiply(&pattern, &exact);
-    let (solve, x) = fastest(seconds, || {
-        let mut x = loads.clone();
+    let load = matrix.multiply(&pattern, &exact);
+    let (solve, x) = fastest(duration, || {
+        let mut x = load.clone();
         factor.solve(&mut x);
         x
     });
@@ -70,25 +71,11 @@ fn measure(folder: &Path, seconds: Duration, kind: &str) {
     );
 }
 
-/// The shortest time of some runs, and what the last one made.
-fn fastest<T>(seconds: Duration, run: impl Fn() -> T) -> (f64, T) {
-    let begin = Instant::now();
-    let mut best = f64::MAX;
-    loop {
-        let start = Instant::now();
-        let made = run();
-        best = best.min(start.elapsed().as_secs_f64());
-        if begin.elapsed() > seconds {
-            return (best, made);
-        }
-    }
-}
-
-/// A matrix of dominant diagonal, its entries without order.
-fn assemble(pattern: &Pattern) -> SymmetricMatrix {
+/// A diagonally dominant matrix with irregular entries.
+fn diagonally_dominant(pattern: &Pattern) -> SymmetricMatrix {
     let mut matrix = SymmetricMatrix::zeros(pattern);
     for cell in 0..pattern.num_cells() {
-        let size = pattern.cell(cell).len() * BLOCK;
+        let size = pattern.cell(cell).len() * COMPONENTS;
         let mut dense = vec![0.0; size * size];
         for i in 0..size {
             dense[i * size + i] = 2.0;
@@ -103,22 +90,6 @@ fn assemble(pattern: &Pattern) -> SymmetricMatrix {
     matrix
 }
 
-fn numbers<T, const N: usize>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<T> {
+fn parse<T, const N: usize>(bytes: &[u8], number: impl Fn([u8; N]) -> T) -> Vec<T> {
     bytes.as_chunks().0.iter().map(|&chunk| number(chunk)).collect()
-}
-
-/// Megabytes that this process holds.
-fn resident() -> f64 {
-    status("VmRSS:")
-}
-
-/// The most it ever held.
-fn peak() -> f64 {
-    status("VmHWM:")
-}
-
-fn status(name: &str) -> f64 {
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with(name)).unwrap_or_default();
-    line.split_whitespace().nth(1).map_or(f64::NAN, |kilobytes| kilobytes.parse::<f64>().unwrap() * 1.024e-3)
 }

@@ -1,23 +1,28 @@
-//! Why a system could not be factorised.
+//! Errors of the factorization.
 
 use thiserror::Error;
 
-/// A system that has no unique solution, or that does not fit in memory.
+/// The system has no unique solution or its factor does not fit in memory.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum SparseError {
-    /// Some pivots vanish: these degrees of freedom are not determined.
-    #[error("the system does not determine {} of its unknowns", dofs.len())]
+    /// Some pivots vanish: the matrix does not determine these degrees of freedom.
+    #[error(
+        "the system matrix is singular: {} of its degrees of freedom are undetermined, the first of them {}",
+        dofs.len(),
+        dofs.first().copied().unwrap_or_default()
+    )]
     Singular {
-        /// Undetermined degrees of freedom, increasing.
+        /// Undetermined degrees of freedom, in increasing order.
         dofs: Vec<usize>,
     },
-    /// An entry of the matrix is not finite.
-    #[error("the system matrix has an entry that is not finite")]
+    /// An entry of the matrix is NaN or infinite.
+    #[error("the system matrix has an entry that is NaN or infinite")]
     NonFinite,
-    /// The factorisation does not fit in memory or its size cannot be numbered.
-    #[error("the factorisation of {dofs} unknowns needs more memory than there is")]
+    /// The factor exceeds the available memory or the range of the indices.
+    #[error("the factorization of a system with {dofs} degrees of freedom does not fit in memory")]
     TooLarge {
-        /// Number of unknowns.
+        /// Number of degrees of freedom.
         dofs: usize,
     },
 }

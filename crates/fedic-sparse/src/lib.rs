@@ -1,27 +1,45 @@
-//! The sparse symmetric system of a finite element problem: its pattern, its assembly and its Cholesky factorisation.
+//! Sparse symmetric positive definite systems of finite element problems: pattern, assembly, Cholesky factorization.
 //!
-//! Unknowns come in blocks of one size, a block per node; degree of freedom `node * block + component`. The order of
-//! every sum is fixed by the order of the cells, so results do not depend on the number of threads.
+//! Unknowns come in blocks of one size, one block per node: degree of freedom `node * block + component`. Sums are
+//! evaluated in an order fixed by the mesh, so results are bit-identical for any number of threads.
+//!
+//! The modules follow the computation, and each imports only those before it: [`Pattern`] and [`SymmetricMatrix`],
+//! `ordering` (fill-reducing permutation), `symbolic` (pattern of the factor), `numeric` (factorization), `solve`
+//! (triangular solves), [`Cholesky`]. The [`SpdSolver`] and [`SpdFactor`] traits are what the rest of the project uses.
+//!
+//! # Examples
+//!
+//! ```
+//! use fedic_sparse::{Cholesky, Pattern, SpdFactor, SpdSolver, SymmetricMatrix};
+//!
+//! // Two springs in a row, the first node tied to the ground.
+//! let pattern = Pattern::new(3, 1, [[0_u32].as_slice(), &[0, 1], &[1, 2]]);
+//! let mut matrix = SymmetricMatrix::zeros(&pattern);
+//! matrix.add_cell(&pattern, 0, &[1.0]);
+//! for spring in [1, 2] {
+//!     matrix.add_cell(&pattern, spring, &[1.0, -1.0, -1.0, 1.0]);
+//! }
+//! let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+//! let factor = Cholesky::new(&pattern, &points)?.factorize(&matrix)?;
+//! let mut x = [0.0, 0.0, 1.0];
+//! factor.solve(&mut x);
+//! assert_eq!(x, [1.0, 2.0, 3.0]);
+//! # Ok::<(), fedic_sparse::SparseError>(())
+//! ```
 
 mod cholesky;
-mod dissection;
-mod elimination;
-mod elimination_tree;
 mod error;
-mod factor;
-mod front;
-mod graph;
 mod matrix;
-mod minimum_degree;
-mod panel;
+mod numeric;
+mod ordering;
 mod pattern;
-mod runs;
-mod sweep;
+mod solve;
+mod solver;
 mod symbolic;
-mod tree;
 
 pub use cholesky::Cholesky;
 pub use error::SparseError;
-pub use factor::Factor;
 pub use matrix::SymmetricMatrix;
 pub use pattern::Pattern;
+pub use solve::Factor;
+pub use solver::{SpdFactor, SpdSolver};

@@ -1,44 +1,23 @@
-//! Assembly, product and Cholesky solution against dense linear algebra.
+//! Assembly, products and solutions compared with dense linear algebra.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use fedic_sparse::{Cholesky, Pattern, SparseError, SymmetricMatrix};
+mod common;
+
+use common::{Generator, Mesh, assembled, quads, random_cell, random_mesh, solution_error};
+use fedic_sparse::{Cholesky, Pattern, SparseError, SpdFactor, SpdSolver, SymmetricMatrix};
 use proptest::prelude::*;
 
-/// A strip of quads: `columns` by `rows`, nodes numbered along x first.
-fn grid(columns: usize, rows: usize) -> Vec<Vec<u32>> {
-    let node = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
-    let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
-    cells.map(|(i, j)| vec![node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]).collect()
-}
-
-/// `sum_k v_k v_k^T` of `rank` vectors: symmetric and semi-definite.
-fn random_cell(size: usize, rank: usize, seed: &mut u64) -> Vec<f64> {
-    let mut next = || {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
-    let mut dense = vec![0.0; size * size];
-    for _ in 0..rank {
-        let v: Vec<f64> = (0..size).map(|_| next()).collect();
-        for i in 0..size {
-            for j in 0..size {
-                dense[i * size + j] += v[i] * v[j];
-            }
-        }
-    }
-    dense
-}
-
-fn assembled(cells: &[Vec<u32>], nodes: usize, block: usize, rank: usize) -> (Pattern, SymmetricMatrix, Vec<f64>) {
-    let pattern = Pattern::new(nodes, block, cells.iter().map(Vec::as_slice));
+/// A random matrix in sparse and dense form; each cell has this rank.
+fn sparse_and_dense(mesh: &Mesh, block: usize, rank: usize) -> (Pattern, SymmetricMatrix, Vec<f64>) {
+    let pattern = mesh.pattern(block);
     let mut matrix = SymmetricMatrix::zeros(&pattern);
-    let n = nodes * block;
+    let n = pattern.num_dofs();
     let mut dense = vec![0.0; n * n];
-    let mut seed = 7;
-    for (index, cell) in cells.iter().enumerate() {
+    let mut random = Generator(7);
+    for (index, cell) in mesh.cells.iter().enumerate() {
         let width = cell.len() * block;
-        let local = random_cell(width, rank, &mut seed);
+        let local = random_cell(width, rank, &mut random);
         matrix.add_cell(&pattern, index, &local);
         let dof = |k: usize| cell[k / block] as usize * block + k % block;
         for i in 0..width {
@@ -54,97 +33,128 @@ fn dense_product(dense: &[f64], x: &[f64]) -> Vec<f64> {
     dense.chunks_exact(x.len()).map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
 }
 
+/// Solution by a dense Cholesky factorization without any reordering.
+fn dense_solution(mut a: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
+    let n = x.len();
+    for j in 0..n {
+        for k in 0..j {
+            (j..n).for_each(|i| a[i * n + j] -= a[i * n + k] * a[j * n + k]);
+        }
+        let pivot = a[j * n + j].sqrt();
+        (j..n).for_each(|i| a[i * n + j] /= pivot);
+    }
+    for i in 0..n {
+        (0..i).for_each(|j| x[i] -= a[i * n + j] * x[j]);
+        x[i] /= a[i * n + i];
+    }
+    for i in (0..n).rev() {
+        (i + 1..n).for_each(|j| x[i] -= a[j * n + i] * x[j]);
+        x[i] /= a[i * n + i];
+    }
+    x
+}
+
 proptest! {
     #[test]
-    fn product_and_solution_equal_dense_ones(columns in 1_usize..7, rows in 1_usize..7, block in 1_usize..4, shuffle: u32) {
-        let nodes = (columns + 1) * (rows + 1);
-        let mut cells = grid(columns, rows);
-        // Any numbering of the nodes must do.
-        for node in cells.iter_mut().flatten() {
-            *node = (*node + shuffle % nodes as u32) % nodes as u32;
+    fn products_and_solutions_equal_dense_ones(
+        columns in 1_usize..7,
+        rows in 1_usize..7,
+        block in 1_usize..5,
+        shift: u32,
+    ) {
+        let mut mesh = quads(columns, rows);
+        let nodes = mesh.num_nodes();
+        // Any numbering of the nodes is allowed.
+        for node in mesh.cells.iter_mut().flatten() {
+            *node = (*node + shift % nodes as u32) % nodes as u32;
         }
-        let (pattern, matrix, dense) = assembled(&cells, nodes, block, 40);
+        let (pattern, matrix, dense) = sparse_and_dense(&mesh, block, 40);
         let x: Vec<f64> = (0..nodes * block).map(|k| (k as f64 * 0.7).sin()).collect();
         let b = dense_product(&dense, &x);
-        for (ours, theirs) in matrix.multiply(&pattern, &x).iter().zip(&b) {
-            prop_assert!((ours - theirs).abs() < 1e-12 * theirs.abs().max(1.0));
+        for (sparse, dense) in matrix.multiply(&pattern, &x).iter().zip(&b) {
+            prop_assert!((sparse - dense).abs() < 1e-12 * dense.abs().max(1.0));
         }
         for k in 0..x.len() {
             let mut unit = vec![0.0; x.len()];
             unit[k] = 1.0;
-            for (ours, theirs) in matrix.multiply(&pattern, &unit).iter().zip(&dense[k * x.len()..]) {
-                prop_assert!((ours - theirs).abs() < 1e-12);
+            for (sparse, dense) in matrix.multiply(&pattern, &unit).iter().zip(&dense[k * x.len()..]) {
+                prop_assert!((sparse - dense).abs() < 1e-12);
             }
         }
         let form: f64 = x.iter().zip(&b).map(|(x, b)| x * b).sum();
         prop_assert!((matrix.quadratic_form(&pattern, &x) - form).abs() < 1e-12 * form.max(1.0));
         let reversed: Vec<f64> = x.iter().rev().copied().collect();
-        let mut solved = [b, dense_product(&dense, &reversed)].concat();
-        Cholesky::new(&pattern).unwrap().factorize(&matrix).unwrap().solve(&mut solved);
-        for (ours, theirs) in solved.iter().zip(x.iter().chain(&reversed)) {
-            prop_assert!((ours - theirs).abs() < 1e-9);
+        let mut solved = [x.clone(), reversed.clone()].concat();
+        Cholesky::new(&pattern, &mesh.points).unwrap().factorize(&matrix).unwrap().solve(&mut solved);
+        let expected = [dense_solution(dense.clone(), x), dense_solution(dense, reversed)].concat();
+        for (sparse, dense) in solved.iter().zip(&expected) {
+            prop_assert!((sparse - dense).abs() < 1e-9 * dense.abs().max(1.0));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    #[test]
+    fn any_mesh_and_block_size_is_solved(nodes in 1_usize..90, block in 1_usize..5, seed: u64, flat: bool) {
+        let mesh = random_mesh(nodes, seed, flat);
+        let pattern = mesh.pattern(block);
+        let matrix = assembled(&pattern, 0.5);
+        let cholesky = Cholesky::new(&pattern, &mesh.points).unwrap();
+        prop_assert!(solution_error(&cholesky.factorize(&matrix).unwrap(), &matrix, &pattern) < 1e-11);
+        prop_assert!(solution_error(&cholesky.factorize_compact(&matrix).unwrap(), &matrix, &pattern) < 1e-4);
+        // The coordinates determine the ordering alone.
+        let coincident = Cholesky::new(&pattern, &vec![[1.0, 2.0, 3.0]; nodes]).unwrap();
+        prop_assert!(solution_error(&coincident.factorize(&matrix).unwrap(), &matrix, &pattern) < 1e-11);
+    }
+}
+
+#[test]
+fn the_symbolic_factorization_is_reused_for_another_matrix() {
+    let mesh = quads(5, 5);
+    for block in [2, 3] {
+        let (pattern, first, _) = sparse_and_dense(&mesh, block, 40);
+        let mut second = first.clone();
+        second.add_scaled(1.0, &first);
+        let cholesky = Cholesky::new(&pattern, &mesh.points).unwrap();
+        let solve = |matrix: &SymmetricMatrix| {
+            let mut x = vec![1.0; 36 * block];
+            cholesky.factorize(matrix).unwrap().solve(&mut x);
+            x
+        };
+        for (a, b) in solve(&first).iter().zip(&solve(&second)) {
+            assert!((a - 2.0 * b).abs() < 1e-9 * a.abs().max(1.0));
         }
     }
 }
 
 #[test]
-fn a_node_without_stiffness_is_named() {
-    for size in [3_usize, 40] {
-        let cells = grid(size, size);
-        let nodes = (size + 1) * (size + 1);
-        let pattern = Pattern::new(nodes, 2, cells.iter().map(Vec::as_slice));
-        let mut matrix = SymmetricMatrix::zeros(&pattern);
-        let mut seed = 3;
-        let corner = 0;
-        for (index, cell) in cells.iter().enumerate() {
-            let mut local = random_cell(8, 12, &mut seed);
-            for k in 0..8 {
-                if cell[k / 2] == corner {
-                    for other in 0..8 {
-                        local[k * 8 + other] = 0.0;
-                        local[other * 8 + k] = 0.0;
-                    }
-                }
+fn the_lower_triangle_lists_the_entries_by_columns() {
+    for block in [2, 3] {
+        let (pattern, matrix, dense) = sparse_and_dense(&quads(3, 2), block, 40);
+        let n = pattern.num_dofs();
+        let (starts, rows) = pattern.lower_triangle();
+        let mut found = vec![0.0; n * n];
+        for column in 0..n {
+            for at in starts[column]..starts[column + 1] {
+                found[rows[at] * n + column] = matrix.values()[at];
             }
-            matrix.add_cell(&pattern, index, &local);
         }
-        let error = Cholesky::new(&pattern).unwrap().factorize(&matrix).unwrap_err();
-        assert_eq!(error, SparseError::Singular { dofs: vec![0, 1] }, "grid of {size}");
-    }
-}
-
-#[test]
-fn a_rank_deficient_system_is_singular() {
-    let cells = grid(6, 5);
-    let (pattern, matrix, _) = assembled(&cells, 42, 2, 1);
-    let error = Cholesky::new(&pattern).unwrap().factorize(&matrix).unwrap_err();
-    // 30 cells of one vector each leave at least 84 - 30 unknowns undetermined.
-    assert!(matches!(&error, SparseError::Singular { dofs } if dofs.len() >= 54), "{error:?}");
-}
-
-#[test]
-fn the_symbolic_part_serves_the_next_matrix() {
-    let cells = grid(5, 5);
-    let (pattern, first, _) = assembled(&cells, 36, 2, 40);
-    let mut second = first.clone();
-    second.add_scaled(1.0, &first);
-    let cholesky = Cholesky::new(&pattern).unwrap();
-    let solve = |matrix: &SymmetricMatrix| {
-        let mut x = vec![1.0; 72];
-        cholesky.factorize(matrix).unwrap().solve(&mut x);
-        x
-    };
-    let once = solve(&first);
-    let twice = solve(&second);
-    for (a, b) in once.iter().zip(&twice) {
-        assert!((a - 2.0 * b).abs() < 1e-9 * a.abs().max(1.0));
+        for i in 0..n {
+            for j in 0..n {
+                let expected = if i >= j { dense[i * n + j] } else { 0.0 };
+                assert!((found[i * n + j] - expected).abs() < 1e-12, "block {block}: row {i}, column {j}");
+            }
+        }
     }
 }
 
 #[test]
 fn a_matrix_with_nan_is_refused() {
-    let pattern = Pattern::new(3, 1, [[0_u32, 1, 2].as_slice()]);
+    let mesh = Mesh { points: vec![[0.0; 3]; 3], cells: vec![vec![0, 1, 2]] };
+    let pattern = mesh.pattern(1);
     let mut matrix = SymmetricMatrix::zeros(&pattern);
     matrix.add_cell(&pattern, 0, &[f64::NAN; 9]);
-    assert_eq!(Cholesky::new(&pattern).unwrap().factorize(&matrix).unwrap_err(), SparseError::NonFinite);
+    let error = Cholesky::new(&pattern, &mesh.points).unwrap().factorize(&matrix).unwrap_err();
+    assert_eq!(error, SparseError::NonFinite);
 }

@@ -1,7 +1,7 @@
 //! Nodal unknowns of a mesh: sparsity pattern, symbolic factorisation, and the map to the nodes of the user's mesh.
 
 use fedic_mesh::Mesh;
-use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SymmetricMatrix};
+use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SpdSolver, SymmetricMatrix};
 
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::{Error, SolveError};
@@ -26,7 +26,7 @@ impl<const D: usize> Dofs<D> {
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.compact();
         let pattern = Pattern::new(mesh.num_nodes(), D, mesh.cells().map(|cell| cell.nodes));
-        let cholesky = Cholesky::of_mesh(&pattern, mesh.points())
+        let cholesky = Cholesky::new(&pattern, mesh.points())
             .map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
         Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes() })
     }
@@ -46,8 +46,8 @@ impl<const D: usize> Dofs<D> {
         factor.map_err(|error| {
             let dofs = match error {
                 SparseError::Singular { dofs } => dofs,
-                SparseError::NonFinite => (0..self.pattern.num_dofs()).collect(),
                 SparseError::TooLarge { dofs } => return SolveError::TooLarge { dofs },
+                _ => (0..self.pattern.num_dofs()).collect(),
             };
             let mut nodes: Vec<usize> = dofs.into_iter().map(|dof| dof / D).collect();
             nodes.dedup();

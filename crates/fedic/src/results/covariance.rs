@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use fedic_image::ImageView;
 use fedic_mesh::jacobian;
-use fedic_sparse::{Factor, SymmetricMatrix};
+use fedic_sparse::{Factor, SpdFactor, SymmetricMatrix};
 use rayon::prelude::*;
 
 use crate::equations::dofs::Dofs;

@@ -1,6 +1,6 @@
 //! The nodal basis: the displacement of every node.
 
-use fedic_sparse::{Factor, SymmetricMatrix};
+use fedic_sparse::{Factor, SpdFactor, SymmetricMatrix};
 
 use crate::SolveError;
 use crate::equations::basis::Basis;

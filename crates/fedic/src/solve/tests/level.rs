@@ -5,6 +5,7 @@ use std::sync::Arc;
 use fedic_camera::ImageFrame;
 use fedic_image::{Image, Interpolator};
 use fedic_mesh::{CellType, rectangle_mesh};
+use fedic_sparse::SpdFactor;
 use fedic_synthetic::Speckle;
 
 use crate::equations::dofs::Dofs;

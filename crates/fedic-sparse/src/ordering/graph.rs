@@ -1,14 +1,15 @@
-//! The graph of the nodes: which are coupled.
+//! Adjacency graph of the nodes.
 
 use crate::Pattern;
 
-/// Neighbours of every node, itself left out, in no order that matters.
+/// Neighbours of every node, in compressed rows; a node is not its own neighbour.
 pub(crate) struct Graph {
     starts: Vec<usize>,
     neighbours: Vec<u32>,
 }
 
 impl Graph {
+    /// Builds the graph of a pattern.
     pub(crate) fn new(pattern: &Pattern) -> Self {
         let nodes = pattern.num_nodes();
         let edges =
@@ -32,10 +33,12 @@ impl Graph {
         Self { starts, neighbours }
     }
 
+    /// Number of nodes.
     pub(crate) fn num_nodes(&self) -> usize {
         self.starts.len() - 1
     }
 
+    /// Nodes adjacent to `node`, in no particular order.
     pub(crate) fn neighbours(&self, node: u32) -> &[u32] {
         &self.neighbours[self.starts[node as usize]..self.starts[node as usize + 1]]
     }

@@ -1,57 +1,60 @@
-//! Where the factor has entries: supernodes, columns of nodes that share the rows below them, and the tree of their elimination.
+//! Supernodal structure of the factor: columns, rows, elimination tree, and source of the matrix entries.
 
 use std::ops::Range;
 
 use crate::Pattern;
-use crate::elimination_tree::{NONE, column_counts, elimination_tree, inverse, merged, postorder, supernodes};
-use crate::graph::Graph;
-use crate::panel::num_stored;
+use crate::ordering::Graph;
 
-/// Order of the nodes and supernodes of the factor. Nodes are counted in the order of their elimination.
+use super::column_counts::column_counts;
+use super::elimination_tree::{NONE, elimination_tree, inverse, postorder};
+use super::shape::Shape;
+use super::supernodes::{amalgamate, fundamental_supernodes};
+
+/// Order of the nodes and supernodes of the factor. Nodes are numbered in the order of their elimination.
 #[derive(Debug)]
-pub(crate) struct Symbolic {
-    /// Unknowns per node.
+pub(crate) struct Structure {
+    /// Degrees of freedom per node.
     pub(crate) block: usize,
-    /// Index in the mesh of each node.
+    /// Index in the pattern of each node.
     pub(crate) order: Vec<u32>,
     /// First node of each supernode, and the number of nodes at the end.
     columns: Vec<u32>,
     row_starts: Vec<usize>,
     rows: Vec<u32>,
-    /// The supernode that holds the first row below each, or [`NONE`].
+    /// Parent of each supernode, the one that holds its first row below, or [`NONE`].
     pub(crate) parent: Vec<u32>,
     entry_starts: Vec<u32>,
     entries: Vec<Entry>,
 }
 
-/// A block of the matrix in a column of nodes: where it goes and where it comes from.
+/// Destination and source of one block of the matrix.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Entry {
-    /// Node of the supernode's columns and rows, counted from its first column.
-    pub(crate) place: u32,
-    /// Its first number among the values of the matrix.
+    /// Row of the block among the columns and rows of its supernode, in nodes.
+    pub(crate) row: u32,
+    /// Position of the block's first value in the matrix.
     source: u32,
-    /// Length of the column it is taken from, twice, and one more where its transpose is wanted.
-    length_and_side: u32,
+    /// Twice the length of the source column, plus one if the block is transposed.
+    length_and_transpose: u32,
 }
 
 impl Entry {
-    /// Where the value of a row and a column of the block is; on the diagonal only of those below.
+    /// Position in the matrix of an entry of the block. Diagonal blocks have entries with `row >= column` only.
     pub(crate) fn source(&self, row: usize, column: usize) -> usize {
-        let (i, j) = if self.length_and_side % 2 == 1 { (column, row) } else { (row, column) };
-        let lengths = j * (self.length_and_side / 2) as usize - j * j.saturating_sub(1) / 2;
+        let (i, j) = if self.length_and_transpose % 2 == 1 { (column, row) } else { (row, column) };
+        let lengths = j * (self.length_and_transpose / 2) as usize - j * j.saturating_sub(1) / 2;
         self.source as usize + lengths + i - j
     }
 }
 
-impl Symbolic {
-    /// The factor of a matrix whose nodes are eliminated in this order, or in one that gives the same.
+impl Structure {
+    /// Analyses a pattern whose nodes are eliminated in this order or an equivalent one.
     pub(crate) fn new(pattern: &Pattern, graph: &Graph, order: &[u32]) -> Self {
         let block = pattern.block();
         let first_parent = elimination_tree(graph, order);
         let post = postorder(&first_parent, None);
         let counts = column_counts(graph, order, &first_parent, &post);
-        // The largest child comes last, next to its parent: those two are merged most easily.
+        // The largest child comes last, next to its parent, so that the two can be merged.
         let post = postorder(&first_parent, Some(&counts));
         let inverse = inverse(&post);
         let order: Vec<u32> = post.iter().map(|&node| order[node as usize]).collect();
@@ -59,8 +62,8 @@ impl Symbolic {
         let parent = |node: u32| first_parent[node as usize];
         let tree: Vec<u32> =
             post.iter().map(|&node| if parent(node) == NONE { NONE } else { inverse[parent(node) as usize] }).collect();
-        let columns = merged(&supernodes(&tree, &counts), &tree, &counts, block);
-        let mut symbolic = Self {
+        let columns = amalgamate(&fundamental_supernodes(&tree, &counts), &tree, &counts, block);
+        let mut structure = Self {
             block,
             order,
             row_starts: Vec::with_capacity(columns.len()),
@@ -70,40 +73,47 @@ impl Symbolic {
             entry_starts: Vec::new(),
             entries: Vec::with_capacity(pattern.num_blocks()),
         };
-        symbolic.find_rows(pattern, graph);
-        symbolic.rows.shrink_to_fit();
-        symbolic
+        structure.find_rows(graph);
+        structure.find_entries(pattern, graph);
+        structure
     }
 
+    /// Number of supernodes.
     pub(crate) fn num_supernodes(&self) -> usize {
-        self.parent.len()
+        self.columns.len() - 1
     }
 
-    /// Nodes that are the columns of a supernode.
+    /// Number of degrees of freedom.
+    pub(crate) fn num_dofs(&self) -> usize {
+        self.order.len() * self.block
+    }
+
+    /// Degrees of freedom of a node.
+    pub(crate) fn dofs(&self, node: u32) -> Range<usize> {
+        let first = self.order[node as usize] as usize * self.block;
+        first..first + self.block
+    }
+
+    /// Columns of a supernode, in nodes.
     pub(crate) fn columns(&self, supernode: usize) -> Range<u32> {
         self.columns[supernode]..self.columns[supernode + 1]
     }
 
-    /// Nodes that are its rows below, increasing.
+    /// Rows below the columns of a supernode, in nodes, increasing.
     pub(crate) fn rows(&self, supernode: usize) -> &[u32] {
         &self.rows[self.row_starts[supernode]..self.row_starts[supernode + 1]]
     }
 
-    /// Numbers of unknowns in all rows, columns included, and in the columns.
-    pub(crate) fn shape(&self, supernode: usize) -> [usize; 2] {
+    /// Size of a supernode in degrees of freedom.
+    pub(crate) fn shape(&self, supernode: usize) -> Shape {
         let columns = self.columns(supernode).len();
-        [columns + self.rows(supernode).len(), columns].map(|nodes| nodes * self.block)
+        let rows = columns + self.rows(supernode).len();
+        Shape { rows: rows * self.block, columns: columns * self.block }
     }
 
-    /// Numbers stored of some supernodes.
-    pub(crate) fn num_stored(&self, supernodes: &Range<usize>) -> usize {
-        supernodes.clone().map(|supernode| num_stored(self.shape(supernode))).sum()
-    }
-
-    /// Multiplications and additions that the elimination of a supernode takes, about.
-    pub(crate) fn work(&self, supernode: usize) -> f64 {
-        let [rows, columns] = self.shape(supernode).map(|n| n as f64);
-        columns * (rows * (rows - columns) + columns * columns / 3.0)
+    /// Values stored for a range of supernodes.
+    pub(crate) fn packed_len(&self, supernodes: &Range<usize>) -> usize {
+        supernodes.clone().map(|supernode| self.shape(supernode).packed_len()).sum()
     }
 
     /// Blocks of the matrix in the column of a node.
@@ -111,25 +121,23 @@ impl Symbolic {
         &self.entries[self.entry_starts[node as usize] as usize..self.entry_starts[node as usize + 1] as usize]
     }
 
-    /// Diagonal of a matrix, in the order of the mesh.
+    /// Diagonal of a matrix, in the order of the degrees of freedom.
     pub(crate) fn diagonal(&self, values: &[f64]) -> Vec<f64> {
-        let d = self.block;
-        let mut diagonal = vec![0.0; self.order.len() * d];
+        let mut diagonal = vec![0.0; self.num_dofs()];
         for supernode in 0..self.num_supernodes() {
             for (local, node) in (0..).zip(self.columns(supernode)) {
-                for entry in self.entries(node).iter().filter(|entry| entry.place == local) {
-                    (0..d).for_each(|j| {
-                        diagonal[self.order[node as usize] as usize * d + j] = values[entry.source(j, j)]
-                    });
+                for entry in self.entries(node).iter().filter(|entry| entry.row == local) {
+                    self.dofs(node).enumerate().for_each(|(j, dof)| diagonal[dof] = values[entry.source(j, j)]);
                 }
             }
         }
         diagonal
     }
 
-    fn find_rows(&mut self, pattern: &Pattern, graph: &Graph) {
+    /// Finds the rows below each supernode, those of its children and of its own nodes' neighbours, and its parent.
+    fn find_rows(&mut self, graph: &Graph) {
         let inverse = inverse(&self.order);
-        let count = self.columns.len() - 1;
+        let count = self.num_supernodes();
         let mut supernode_of = vec![0_u32; self.order.len()];
         for supernode in 0..count {
             self.columns(supernode).for_each(|node| supernode_of[node as usize] = supernode as u32);
@@ -137,9 +145,7 @@ impl Symbolic {
         let mut last_child = vec![NONE; count];
         let mut sibling = vec![NONE; count];
         let mut seen = vec![NONE; self.order.len()];
-        let mut place = vec![0_u32; self.order.len()];
         self.row_starts.push(0);
-        self.entry_starts.push(0);
         for supernode in 0..count {
             let columns = self.columns(supernode);
             let first = self.rows.len();
@@ -167,8 +173,19 @@ impl Symbolic {
                 sibling[supernode] = last_child[parent as usize];
                 last_child[parent as usize] = supernode as u32;
             }
-            let rows = &self.rows[first..];
-            columns.clone().chain(rows.iter().copied()).zip(0..).for_each(|(row, at)| place[row as usize] = at);
+        }
+        self.rows.shrink_to_fit();
+    }
+
+    /// Finds the blocks of the matrix in each column: on and below the diagonal in the order of elimination.
+    fn find_entries(&mut self, pattern: &Pattern, graph: &Graph) {
+        let inverse = inverse(&self.order);
+        let mut local = vec![0_u32; self.order.len()];
+        self.entry_starts.push(0);
+        for supernode in 0..self.num_supernodes() {
+            let columns = self.columns(supernode);
+            let rows = self.rows(supernode).iter().copied();
+            columns.clone().chain(rows).zip(0..).for_each(|(row, at)| local[row as usize] = at);
             for node in columns {
                 let own = self.order[node as usize];
                 let neighbours = graph.neighbours(own).iter().copied().chain([own]);
@@ -177,9 +194,9 @@ impl Symbolic {
                     let rows = pattern.node_column(column as usize);
                     let above = rows.partition_point(|&r| r < row) * self.block;
                     self.entries.push(Entry {
-                        place: place[inverse[other as usize] as usize],
+                        row: local[inverse[other as usize] as usize],
                         source: (pattern.column_start(column as usize, 0) + above) as u32,
-                        length_and_side: 2 * (rows.len() * self.block) as u32 + u32::from(own > other),
+                        length_and_transpose: 2 * (rows.len() * self.block) as u32 + u32::from(own > other),
                     });
                 }
                 self.entry_starts.push(self.entries.len() as u32);

@@ -1,0 +1,34 @@
+//! Symbolic factorization: supernodes of the factor, their rows, and the task schedule. Imports the ordering.
+
+mod column_counts;
+mod elimination_tree;
+mod relative_indices;
+mod schedule;
+mod shape;
+mod structure;
+mod supernodes;
+
+use crate::Pattern;
+use crate::ordering::Graph;
+
+pub(crate) use elimination_tree::NONE;
+pub(crate) use relative_indices::{RelativeRange, find_relative_ranges};
+pub(crate) use schedule::{Schedule, Task, Threading, lock};
+pub(crate) use shape::Shape;
+pub(crate) use structure::Structure;
+
+/// The result of the symbolic factorization of a pattern.
+#[derive(Debug)]
+pub(crate) struct SymbolicFactor {
+    pub(crate) structure: Structure,
+    pub(crate) schedule: Schedule,
+}
+
+impl SymbolicFactor {
+    /// Analyses a pattern whose nodes are eliminated in this order or an equivalent one.
+    pub(crate) fn new(pattern: &Pattern, graph: &Graph, order: &[u32]) -> Self {
+        let structure = Structure::new(pattern, graph, order);
+        let schedule = Schedule::new(&structure);
+        Self { structure, schedule }
+    }
+}
