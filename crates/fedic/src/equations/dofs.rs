@@ -26,8 +26,8 @@ impl<const D: usize> Dofs<D> {
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.compact();
         let pattern = Pattern::new(mesh.num_nodes(), D, mesh.cells().map(|cell| cell.nodes));
-        let cholesky = Cholesky::new(&pattern, mesh.points())
-            .map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
+        let cholesky =
+            Cholesky::new(&pattern, mesh.points()).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
         Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes() })
     }
 
