@@ -2,6 +2,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+# Modules that a macro declares, which cargo fmt does not see.
+CELLS := $(wildcard crates/fedic-mesh/src/cells/*.rs)
 CARGO_TEST := --workspace --exclude fedic-py --exclude fedic-benches
 
 .DEFAULT_GOAL := help
@@ -34,6 +36,7 @@ test-python: build
 
 check: build ## Check format, lints, types, stubs and documentation; warnings are errors.
 	cargo fmt --all --check
+	rustfmt --check --edition 2024 $(CELLS)
 	cargo clippy --quiet --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --quiet --workspace --no-deps
 	$(BIN)/ruff format --check .
@@ -43,6 +46,7 @@ check: build ## Check format, lints, types, stubs and documentation; warnings ar
 
 format: setup ## Format the sources.
 	cargo fmt --all
+	rustfmt --edition 2024 $(CELLS)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 

@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING
 
 from fedic import synthetic
 from fedic._core import (
+    CELL_TYPES,
     BrownDistortion,
     FrontParallel,
     ImageFrame,
     InverseSplineDistortion,
     Mesh,
+    MeshSet,
     Pinhole,
     SplineDistortion,
     __version__,
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from fedic.registration import Registration, boundary_features, register
 
 __all__ = [
+    "CELL_TYPES",
     "BrownDistortion",
     "Calibration",
     "CalibrationWarning",
@@ -66,6 +69,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "MeshQuadrature",
+    "MeshSet",
     "OptionError",
     "Pinhole",
     "PixelQuadrature",

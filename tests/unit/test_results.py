@@ -76,12 +76,12 @@ def test_unused_nodes_are_nan_in_results_and_allowed_in_starts(speckle_pair: Pai
 )
 def test_bad_images_are_refused(speckle_pair: Pair, image: object, message: str) -> None:
     with pytest.raises(fedic.ImageError, match=message):
-        fedic.correlate(speckle_pair[0], image, fedic.rectangle_mesh((30, 30, 170, 130)))  # type: ignore[arg-type]
+        fedic.correlate(speckle_pair[0], image, fedic.rectangle_mesh((30, 30, 170, 130), 20))  # type: ignore[arg-type]
 
 
 def test_float64_and_views_are_accepted(speckle_pair: Pair) -> None:
     reference, deformed = (image.astype(np.float64)[:, ::-1] for image in speckle_pair)
-    result = fedic.correlate(reference, deformed, fedic.rectangle_mesh((30, 30, 170, 130)))  # type: ignore[arg-type]
+    result = fedic.correlate(reference, deformed, fedic.rectangle_mesh((30, 30, 170, 130), 20))  # type: ignore[arg-type]
     np.testing.assert_allclose(result.displacement.mean(axis=0), (-1.3, -0.6), atol=0.02)
 
 
@@ -96,7 +96,7 @@ def test_float64_and_views_are_accepted(speckle_pair: Pair) -> None:
 )
 def test_bad_options_are_refused(speckle_pair: Pair, options: dict, message: str) -> None:
     with pytest.raises(fedic.OptionError, match=message):
-        fedic.correlate(*speckle_pair, fedic.rectangle_mesh((30, 30, 170, 130)), **options)
+        fedic.correlate(*speckle_pair, fedic.rectangle_mesh((30, 30, 170, 130), 20), **options)
 
 
 @pytest.mark.parametrize("options", [{"density": 0.0}, {"density": float("nan")}, {"rule": "gauss"}])
@@ -135,7 +135,7 @@ def test_fft_start_ignores_unused_nodes(speckle_pair: Pair) -> None:
 def test_fft_start_refuses_flat_images_and_small_regions() -> None:
     flat = np.zeros((100, 100), dtype=np.uint8)
     with pytest.raises(fedic.SolveError, match="no texture"):
-        uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 60, 60)), fedic.ImageFrame())
+        uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 60, 60), 20), fedic.ImageFrame())
     with pytest.raises(fedic.SolveError, match="covers only 5 x 5 px"):
         uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 24, 24), size=2), fedic.ImageFrame())
 

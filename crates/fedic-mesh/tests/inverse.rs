@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Random, cell_nodes, jittered_mesh};
+use common::{Random, cell_nodes, jittered_mesh, types_with_edge_intervals};
 use fedic_mesh::{CellType, Locator, Mesh, inverse_map, map};
 use proptest::prelude::*;
 
@@ -12,16 +12,12 @@ fn any_cell() -> impl Strategy<Value = CellType> {
     proptest::sample::select(CellType::ALL.as_slice())
 }
 
-/// A jittered mesh of all linear or all quadratic types, its inner edges curved if quadratic, and its outline.
+/// A jittered mesh of all linear or all quadratic types, with curved inner edges if quadratic, and its outline.
 fn mixed_mesh(random: &mut Random, size: f64) -> (Mesh, Vec<[f64; 2]>) {
     // A curved edge between a linear and a quadratic cell would leave a gap: one family per mesh.
     let quadratic = random.index(2) == 0;
-    let types: &[CellType] = if quadratic {
-        &[CellType::Triangle6, CellType::Quad8, CellType::Quad9]
-    } else {
-        &[CellType::Triangle, CellType::Quad]
-    };
-    let (mesh, outline) = jittered_mesh(random, [6, 5], types, size, 0.15);
+    let types = types_with_edge_intervals(if quadratic { 2 } else { 1 });
+    let (mesh, outline) = jittered_mesh(random, [6, 5], &types, size, 0.15);
     let mut points = mesh.points().to_vec();
     for point in points.iter_mut().skip(7 * 6) {
         let place = [point[0], point[1]];

@@ -1,4 +1,4 @@
-//! Regular meshes: how many cells and nodes, what they cover, and how they hang together.
+//! Regular meshes: numbers of cells and nodes, coverage and connectivity.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -32,13 +32,11 @@ fn cells_fill_the_rectangle_and_share_their_edges() {
     // Nodes: corners, edges' middles, centres.
     let (corners, centres) = ((columns + 1) * (rows + 1), columns * rows);
     let straight_edges = columns * (rows + 1) + rows * (columns + 1);
-    for (cell, cells, nodes) in [
-        (CellType::Triangle, 2 * centres, corners),
-        (CellType::Triangle6, 2 * centres, corners + straight_edges + centres),
-        (CellType::Quad, centres, corners),
-        (CellType::Quad8, centres, corners + straight_edges),
-        (CellType::Quad9, centres, corners + straight_edges + centres),
-    ] {
+    for cell in CellType::ALL {
+        let (cells, diagonals) = if cell.is_triangle() { (2 * centres, centres) } else { (centres, 0) };
+        let inside_edges = (straight_edges + diagonals) * (cell.edge_intervals() - 1);
+        let inside_cells = cells * (cell.num_nodes() - cell.outline().len());
+        let nodes = corners + inside_edges + inside_cells;
         let mesh = rectangle_mesh([x0, y0, x1, y1], 5.0, cell).unwrap();
         assert_eq!((mesh.num_cells(), mesh.num_nodes()), (cells, nodes), "{cell}");
         assert!(mesh.used_nodes().into_iter().all(|used| used) && mesh.flipped().is_empty(), "{cell}");
@@ -56,7 +54,6 @@ fn cells_fill_the_rectangle_and_share_their_edges() {
             side(0, x0) || side(0, x1) || side(1, y0) || side(1, y1)
         };
         assert!(edges.iter().all(|(edge, &shared)| shared == if on_boundary(edge) { 1 } else { 2 }), "{cell}");
-        let diagonals = if cell.is_triangle() { centres } else { 0 };
         assert_eq!(edges.len(), straight_edges + diagonals, "{cell}");
         assert_eq!(edges.keys().filter(|edge| on_boundary(edge)).count(), 2 * (columns + rows), "{cell}");
     }
@@ -81,7 +78,7 @@ fn the_size_is_rounded_to_fit() {
 }
 
 #[test]
-fn nonsense_is_refused() {
+fn bad_bounds_and_sizes_are_refused() {
     for (bounds, size, shown) in [
         ([0.0, 0.0, 0.0, 1.0], 1.0, "[0.0, 0.0, 0.0, 1.0] and 1"),
         ([0.0, 2.0, 1.0, 1.0], 1.0, "[0.0, 2.0, 1.0, 1.0] and 1"),

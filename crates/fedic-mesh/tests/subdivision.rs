@@ -1,4 +1,4 @@
-//! The points of a subdivision, and how finely the rules cut a cell.
+//! Points of a subdivision, and the subdivision that each rule chooses.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -26,7 +26,7 @@ fn points(subdivision: Subdivision, first: usize, count: usize) -> Vec<[f64; 2]>
 
 proptest! {
     #[test]
-    fn parts_fill_the_reference_domain(subdivision in any_subdivision()) {
+    fn subcells_fill_the_reference_domain(subdivision in any_subdivision()) {
         let whole = match subdivision {
             Subdivision::Triangle { .. } => 0.5,
             Subdivision::Quad { .. } | Subdivision::RotatedQuad { .. } => 4.0,
@@ -61,7 +61,7 @@ proptest! {
     }
 
     #[test]
-    fn reading_from_any_point_on_gives_the_same_bits(
+    fn points_from_any_index_on_have_the_same_bits(
         subdivision in any_subdivision(),
         place: proptest::sample::Index,
         length: proptest::sample::Index,
@@ -85,7 +85,7 @@ fn cut(cell: CellType, pixels: &[[f64; 2]], rule: Rule, density: f64) -> Subdivi
 
 #[test]
 fn the_edges_rule_counts_whole_pixels_along_the_edges() {
-    for cell in [CellType::Quad, CellType::Quad8, CellType::Quad9] {
+    for cell in CellType::ALL.into_iter().filter(|cell| !cell.is_triangle()) {
         let pixels = rectangle(cell, 12.7, 5.2);
         assert_eq!(cut(cell, &pixels, Rule::Edges, 1.0), Subdivision::Quad { nx: 12, ny: 5 });
         assert_eq!(cut(cell, &pixels, Rule::Edges, 4.0), Subdivision::Quad { nx: 25, ny: 10 });
@@ -94,7 +94,7 @@ fn the_edges_rule_counts_whole_pixels_along_the_edges() {
     // Of two edges that face each other the shorter one counts.
     let trapezium = [[0.0, 0.0], [9.0, 0.0], [6.0, 4.5], [2.0, 4.5]];
     assert_eq!(cut(CellType::Quad, &trapezium, Rule::Edges, 1.0), Subdivision::Quad { nx: 4, ny: 4 });
-    for cell in [CellType::Triangle, CellType::Triangle6] {
+    for cell in CellType::ALL.into_iter().filter(|cell| cell.is_triangle()) {
         // 1.6 times an area of 33.02 pixels, whichever way the triangle turns.
         let mut pixels = rectangle(cell, 12.7, 5.2);
         assert_eq!(cut(cell, &pixels, Rule::Edges, 1.0), Subdivision::Triangle { n: 7 });
@@ -114,7 +114,7 @@ fn the_rotated_rule_counts_as_the_edges_rule_does() {
 
 proptest! {
     #[test]
-    fn rotated_points_stay_in_their_parts_and_keep_the_mixed_moment(nx in 1_u32..60, ny in 1_u32..60) {
+    fn rotated_points_stay_in_their_subcells_and_keep_the_mixed_moment(nx in 1_u32..60, ny in 1_u32..60) {
         let centres = Subdivision::Quad { nx, ny }.all_points();
         let turned = Subdivision::RotatedQuad { nx, ny }.all_points();
         for ([x, y], [a, b]) in centres.into_iter().zip(&turned) {
@@ -128,7 +128,7 @@ proptest! {
 }
 
 #[test]
-fn rotated_points_sweep_the_places_in_a_pixel() {
+fn rotated_points_have_all_subpixel_phases() {
     // 20 points along 20 pixels: the centres share one place in their pixels, the turned points share out all.
     let worst = |subdivision: Subdivision| {
         let places = subdivision.all_points().into_iter().map(|[x, _]| 2.0 * std::f64::consts::PI * 10.0 * x);

@@ -1,6 +1,9 @@
 //! NumPy arrays in and out, with errors that say which array, its shape and what was expected.
 
-use numpy::{AllowTypeChange, PyArray, PyArray2, PyArrayLike2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    AllowTypeChange, PyArray, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
 /// Makes the exception of a module out of a sentence.
@@ -46,6 +49,22 @@ fn coordinates<'py>(
         [_, 2 | 3] => Ok(array),
         shape => Err(raise(format!("{name} must have shape (n, 2) or (n, 3), got {shape:?}"))),
     }
+}
+
+/// A vector of 2 or 3 components; the third is zero if there are 2.
+pub(crate) fn vector(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<[f64; 3]> {
+    let refuse = || raise(format!("{name} must have shape (2,) or (3,), got {}", describe(object)));
+    match numbers(object).as_deref() {
+        Some(&[x, y]) => Ok([x, y, 0.0]),
+        Some(&[x, y, z]) => Ok([x, y, z]),
+        _ => Err(refuse()),
+    }
+}
+
+/// A 1-dimensional array of float64; `None` if it is anything else.
+pub(crate) fn numbers(object: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
+    let array: PyArrayLike1<'_, f64, AllowTypeChange> = object.extract().ok()?;
+    Some(array.as_array().to_vec())
 }
 
 /// A 2-dimensional array of float64.

@@ -26,6 +26,8 @@ impl IntoPyErr for MeshError {
     fn into_py_err(self) -> PyErr {
         let message = self.to_string();
         let (cells, nodes) = match self {
+            Self::InvalidScale { .. } => return option_error(message, "factor"),
+            Self::InvalidRotation => return option_error(message, "rotation"),
             Self::NonFinitePoint { node } => (vec![], vec![node]),
             Self::NodeOutOfRange { cell, .. } => (vec![cell], vec![]),
             Self::DegenerateCells { cells } => (cells, vec![]),

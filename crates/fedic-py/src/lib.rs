@@ -2,11 +2,13 @@
 
 mod arrays;
 mod camera;
+mod cell_type;
 mod correlator;
 mod errors;
 mod image;
 mod lens;
 mod mesh;
+mod mesh_set;
 mod options;
 mod self_calibration;
 mod speckle;
@@ -17,8 +19,12 @@ use pyo3::prelude::*;
 /// The compiled core of fedic.
 #[pymodule]
 mod _core {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::camera::{FrontParallel, ImageFrame, Pinhole, aperture_points};
+    #[pymodule_export]
+    use crate::cell_type::CellType;
     #[pymodule_export]
     use crate::correlator::{Correlator, Solution};
     #[pymodule_export]
@@ -27,6 +33,8 @@ mod _core {
     use crate::lens::{BrownDistortion, InverseSplineDistortion, SplineDistortion, spline_basis};
     #[pymodule_export]
     use crate::mesh::{Mesh, rectangle_mesh};
+    #[pymodule_export]
+    use crate::mesh_set::MeshSet;
     #[pymodule_export]
     use crate::options::{PyOptionInfo, check_correlation_options};
     #[pymodule_export]
@@ -38,7 +46,8 @@ mod _core {
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
     #[pymodule_init]
-    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::cell_type::add_cell_types(module)?;
         crate::options::add_tables(module)
     }
 }

@@ -2,32 +2,36 @@
 
 use std::str::FromStr;
 
-use fedic::{CellType, MeshError, cell_areas, cell_strains, interpolate_field};
+use fedic::{CellType, MeshError, cell_areas, cell_strains, interpolate_field, rotation_from_vector};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping};
+use pyo3::types::{PyDict, PyMapping, PyTuple};
 
 use crate::arrays::{self, indices, matrix, rows, to_array};
 use crate::errors::{IntoPyErr, argument_error, mesh_error};
+use crate::mesh_set;
 use crate::worker::run;
 
-/// A surface mesh.
+/// A surface mesh, plane or in space.
 ///
-/// Cells that are listed clockwise are turned round; nodes that no cell uses are kept, so that indices stay the user's.
+/// Cells of a plane mesh listed clockwise are reversed. In space, neighbouring cells get the same orientation, the one in
+/// which most of their surface is counter-clockwise seen from ``+z``. Nodes that no cell uses are kept, so that indices do
+/// not change.
 ///
 /// Parameters
 /// ----------
 /// points : (n, 2) or (n, 3) array_like of float
-///     Coordinates of the nodes, in any unit; it becomes the unit of the displacement.
+///     Coordinates of the nodes, in any unit; the displacement has the same unit.
 /// cells : mapping of str to (m, k) array_like of int
-///     Node indices of the cells of each type, in meshio's names and node order: ``triangle``, ``triangle6``, ``quad``,
-///     ``quad8``, ``quad9``.
+///     Node indices of the cells of each type, under the names of `CELL_TYPES` (meshio's) and in meshio's node order.
+/// sets : mapping of str to MeshSet, optional
+///     Named sets of nodes and cells.
 ///
 /// Raises
 /// ------
 /// MeshError
-///     If an array has the wrong shape or type, a coordinate is not finite, a cell refers to a node that does not exist,
-///     or a cell has zero area or is folded; ``error.cells`` and ``error.nodes`` say which.
+///     If an array has the wrong shape or type, a coordinate is not finite, a cell or set refers to a node or cell that does
+///     not exist, or a cell has zero area or is folded; ``error.cells`` and ``error.nodes`` list the ones at fault.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Mesh {
     pub(crate) inner: fedic::Mesh,
@@ -44,7 +48,8 @@ pub(crate) fn any_mesh<'a>(object: &'a Bound<'_, PyAny>) -> PyResult<&'a fedic::
 #[pymethods]
 impl Mesh {
     #[new]
-    fn new(points: &Bound<'_, PyAny>, cells: &Bound<'_, PyAny>) -> PyResult<Self> {
+    #[pyo3(signature = (points, cells, sets=None))]
+    fn new(points: &Bound<'_, PyAny>, cells: &Bound<'_, PyAny>, sets: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let (points, dimension) = arrays::points(points, "points", mesh_error)?;
         let mapping = cells.cast::<PyMapping>().map_err(|_| {
             mesh_error(format!(
@@ -64,7 +69,10 @@ impl Mesh {
             }
             blocks.push((cell_type, connectivity));
         }
-        let inner = fedic::Mesh::new(points, &blocks).map_err(IntoPyErr::into_py_err)?;
+        let mut inner = fedic::Mesh::new(points, &blocks).map_err(IntoPyErr::into_py_err)?;
+        if let Some(sets) = sets {
+            inner = inner.with_sets(mesh_set::read(sets)?).map_err(IntoPyErr::into_py_err)?;
+        }
         Ok(Self { inner, dimension })
     }
 
@@ -78,7 +86,7 @@ impl Mesh {
         to_array(py, &plane)
     }
 
-    /// Node indices of the cells of each type, (m, k) int64, all cells counter-clockwise: copies.
+    /// Node indices of the cells of each type, (m, k) int64, after reorientation: copies.
     #[getter]
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let cells = PyDict::new(py);
@@ -88,13 +96,138 @@ impl Mesh {
         Ok(cells)
     }
 
-    /// Number of cells over all types.
+    /// Named sets of nodes and cells, a dict of `MeshSet`: a copy.
+    ///
+    /// Filled by `read_mesh` from the sets and groups of the file, kept by the transformations, by `write` and by pickle.
+    #[getter]
+    fn sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        mesh_set::to_dict(py, self.inner.sets())
+    }
+
+    /// The mesh with other named sets.
+    ///
+    /// Parameters
+    /// ----------
+    /// sets : mapping of str to MeshSet
+    ///     Sets of the returned mesh, instead of those of this mesh.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If a set refers to a node or cell that does not exist.
+    fn with_sets(&self, sets: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let inner = self.inner.clone().with_sets(mesh_set::read(sets)?).map_err(IntoPyErr::into_py_err)?;
+        Ok(Self { inner, dimension: self.dimension })
+    }
+
+    /// The mesh with all coordinates multiplied by a factor, as for a change of unit.
+    ///
+    /// Parameters
+    /// ----------
+    /// factor : float
+    ///     Positive.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     If the factor is not a positive number.
+    fn scaled(&self, factor: f64) -> PyResult<Self> {
+        self.moved(self.inner.scaled(factor))
+    }
+
+    /// The mesh moved by a vector.
+    ///
+    /// Parameters
+    /// ----------
+    /// vector : (2,) or (3,) array_like
+    ///     Translation, in the mesh's unit.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///     With points of 3 coordinates if the vector leaves the plane ``z = 0``.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     If the vector does not have 2 or 3 finite components.
+    fn translated(&self, vector: &Bound<'_, PyAny>) -> PyResult<Self> {
+        self.moved(self.inner.translated(arrays::vector(vector, "vector", argument_error)?))
+    }
+
+    /// The mesh rotated about a point.
+    ///
+    /// Parameters
+    /// ----------
+    /// rotation : (3,) or (3, 3) array_like
+    ///     Rotation vector, whose direction is the axis and whose length is the angle in radians, or rotation matrix. In the
+    ///     plane: ``(0, 0, angle)``, counter-clockwise.
+    /// centre : (2,) or (3,) array_like, optional
+    ///     Fixed point, in the mesh's unit; the origin by default.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///     With points of 3 coordinates if the rotation leaves the plane ``z = 0``. Cells are oriented anew: those of a plane
+    ///     mesh that is turned over are reversed.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     If the rotation has another shape, or the matrix is not orthonormal with determinant 1.
+    #[pyo3(signature = (rotation, centre=None))]
+    fn rotated(&self, rotation: &Bound<'_, PyAny>, centre: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let matrix = match arrays::numbers(rotation).as_deref() {
+            Some(&[x, y, z]) => rotation_from_vector([x, y, z]),
+            _ => rows::<3>(rotation, "rotation", argument_error)?.try_into().map_err(|rows: Vec<_>| {
+                let shape = format!("({}, 3)", rows.len());
+                argument_error(format!(
+                    "rotation must be a rotation vector (3,) or a rotation matrix (3, 3), got {shape}"
+                ))
+            })?,
+        };
+        let centre = centre.map_or(Ok([0.0; 3]), |centre| arrays::vector(centre, "centre", argument_error))?;
+        self.moved(self.inner.rotated(matrix, centre))
+    }
+
+    /// Write the mesh with its named sets.
+    ///
+    /// The file is read back before it takes the place of an existing one, so that a file that does not hold the whole mesh
+    /// is never left behind.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     The suffix names the format: ``.vtu``, ``.inp`` (Abaqus), or any other that meshio writes. Formats without named
+    ///     sets hold them as fields ``set:NAME`` of ones and zeros, if they hold fields.
+    ///
+    /// Raises
+    /// ------
+    /// MeshError
+    ///     If the format is unknown or cannot hold the cell types, the nodes or the sets of the mesh.
+    /// FedicError
+    ///     If the file cannot be written.
+    fn write(&self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<()> {
+        let arguments = (path, self.points(py)?, self.cells(py)?, self.sets(py)?);
+        py.import("fedic.io._mesh_writer")?.call_method1("write_mesh", arguments)?;
+        Ok(())
+    }
+
+    /// Number of cells of all types.
     #[getter]
     fn num_cells(&self) -> usize {
         self.inner.num_cells()
     }
 
-    /// Number of nodes, those that no cell uses included.
+    /// Number of nodes, including those that no cell uses.
     #[getter]
     fn num_nodes(&self) -> usize {
         self.inner.num_nodes()
@@ -106,53 +239,62 @@ impl Mesh {
         PyArray1::from_vec(py, self.inner.used_nodes())
     }
 
-    /// Indices of the cells that were given clockwise and have been turned round, over all types in their order.
+    /// Indices of the cells that have been reversed relative to the order given, ascending; cells are numbered over all types
+    /// in order.
     #[getter]
     fn flipped_cells<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         PyArray1::from_iter(py, self.inner.flipped().iter().map(|&cell| cell as i64))
     }
 
-    /// Area of each cell, (num_cells,) float64, in the mesh's unit squared; exact for straight edges.
+    /// Area of each cell in space, (num_cells,) float64, in the mesh's unit squared; exact for plane cells with straight edges.
     fn areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_vec(py, cell_areas(&self.inner))
     }
 
-    /// Nodes around the cells: for each type in order, an (m, k) array of node indices, edge middles included.
+    /// Nodes around the cells: for each type in order, an (m, k) array of node indices, including the nodes of the edges.
     fn outlines<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
         let blocks = self.blocks(Some(CellType::outline));
         blocks.into_iter().map(|(cell_type, nodes)| table(py, nodes, cell_type.outline().len())).collect()
     }
 
-    /// Small strains at the centre of each cell.
+    /// Small strains at the centre of each cell, in its tangent plane.
+    ///
+    /// The axes of a mesh parallel to the ``(x, y)`` plane are ``x`` and ``y``. On any other surface axis 1 is the projection
+    /// of ``x`` onto the tangent plane (of ``y``, if the surface is perpendicular to ``x``), and axis 2 the cell's normal
+    /// times axis 1.
     ///
     /// Parameters
     /// ----------
-    /// displacement : (n, 2) array_like
-    ///     Displacement of each node, in the mesh's unit.
+    /// displacement : (n, 2) or (n, 3) array_like
+    ///     Displacement of each node, in the mesh's unit; two components lie in the ``(x, y)`` plane.
     ///
     /// Returns
     /// -------
     /// (num_cells, 3) float64
-    ///     ``eps_xx, eps_yy, eps_xy``: tension positive, shear as the tensor component.
+    ///     ``eps_11, eps_22, eps_12``: tension positive, shear as the tensor component.
     ///
     /// Raises
     /// ------
     /// OptionError
     ///     If the displacement does not have one row per node.
     fn strains<'py>(&self, py: Python<'py>, displacement: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let displacement = rows::<2>(displacement, "displacement", argument_error)?;
-        self.check_nodal("displacement", displacement.len())?;
-        to_array(py, &cell_strains(&self.inner, &displacement))
+        let columns = matrix(displacement, "displacement", argument_error)?.as_array().ncols();
+        let strains = if columns == 3 {
+            cell_strains(&self.inner, &self.nodal_vectors::<3>(displacement)?)
+        } else {
+            cell_strains(&self.inner, &self.nodal_vectors::<2>(displacement)?)
+        };
+        to_array(py, &strains)
     }
 
-    /// A nodal field anywhere in the mesh.
+    /// Values of a nodal field at points of the mesh.
     ///
     /// Parameters
     /// ----------
     /// nodal : (n, k) array_like
-    ///     ``k`` numbers per node.
+    ///     Field of ``k`` components per node.
     /// points : (m, 2) or (m, 3) array_like
-    ///     Where; the third coordinate is ignored.
+    ///     Points in the ``(x, y)`` plane; a third coordinate is ignored.
     ///
     /// Returns
     /// -------
@@ -181,8 +323,8 @@ impl Mesh {
         PyArray::from_vec(py, values).reshape([points.len(), width])
     }
 
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyDict>)> {
-        Ok((self.points(py)?, self.cells(py)?))
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        (self.points(py)?, self.cells(py)?, self.sets(py)?).into_pyobject(py)
     }
 
     fn __repr__(&self) -> String {
@@ -193,7 +335,20 @@ impl Mesh {
 }
 
 impl Mesh {
-    /// Node indices by type, in the order of the cells; `local` picks and orders the nodes of a cell.
+    /// A mesh on moved points: plane as long as all points stay in `z = 0`.
+    fn moved(&self, inner: Result<fedic::Mesh, MeshError>) -> PyResult<Self> {
+        let inner = inner.map_err(IntoPyErr::into_py_err)?;
+        let plane = self.dimension == 2 && inner.points().iter().all(|p| p[2] == 0.0);
+        Ok(Self { inner, dimension: if plane { 2 } else { 3 } })
+    }
+
+    fn nodal_vectors<const D: usize>(&self, displacement: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; D]>> {
+        let vectors = rows::<D>(displacement, "displacement", argument_error)?;
+        self.check_nodal("displacement", vectors.len())?;
+        Ok(vectors)
+    }
+
+    /// Node indices by type, in the order of the cells; `local` selects and orders the nodes of a cell.
     fn blocks(&self, local: Option<fn(CellType) -> &'static [usize]>) -> Vec<(CellType, Vec<i64>)> {
         let mut blocks: Vec<(CellType, Vec<i64>)> = Vec::new();
         for cell in self.inner.cells() {
@@ -229,9 +384,9 @@ fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, 
 /// bounds : (x0, y0, x1, y1)
 ///     Corners, in the mesh's unit.
 /// size : float
-///     Wanted length of the cells' edges; the cells fill the rectangle exactly.
-/// cell : {"quad", "triangle", "triangle6", "quad8", "quad9"}
-///     Type of the cells; triangles halve the quads along alternating diagonals.
+///     Length of the cells' edges, in the mesh's unit; it is adjusted so that the cells fill the rectangle exactly.
+/// cell : str
+///     Type of the cells, a name of `CELL_TYPES`; triangles halve the squares along alternating diagonals.
 ///
 /// Returns
 /// -------
@@ -240,9 +395,9 @@ fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, 
 /// Raises
 /// ------
 /// MeshError
-///     If the bounds are empty or not finite, the size is not positive, or the cell type unknown.
+///     If the bounds are empty or not finite, the size is not positive, or the cell type is unknown.
 #[pyfunction]
-#[pyo3(signature = (bounds, size=20.0, cell="quad"))]
+#[pyo3(signature = (bounds, size, cell="quad"))]
 pub(crate) fn rectangle_mesh(bounds: [f64; 4], size: f64, cell: &str) -> PyResult<Mesh> {
     let cell_type = CellType::from_str(cell).map_err(IntoPyErr::into_py_err)?;
     let inner = fedic::rectangle_mesh(bounds, size, cell_type).map_err(IntoPyErr::into_py_err)?;

@@ -65,7 +65,7 @@ pub use fedic_image::{
 };
 pub use fedic_mesh::{
     Cell, CellType, Locator, Mesh, MeshError, MeshSet, Rule, SurfaceGradients, UnknownRule, cell_areas, cell_strains,
-    interpolate_field, rectangle_mesh, surface_gradients,
+    interpolate_field, rectangle_mesh, shape_values, surface_gradients,
 };
 pub use fedic_sparse::SparseError;
 pub use interpolation::image_sampler::ImageSampler;

@@ -6,6 +6,7 @@ from typing import Annotated, TypeAlias
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
@@ -15,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from fedic._core import Mesh, Pinhole, rectangle_mesh
+from fedic._core import CELL_TYPES, Mesh, Pinhole, rectangle_mesh
 from fedic._internal.sections import (
     InFolder,
     Positive,
@@ -26,7 +27,7 @@ from fedic._internal.sections import (
     in_folder,
     read_tables,
 )
-from fedic._internal.types import Camera, CellName
+from fedic._internal.types import Camera
 from fedic.cameras.files import read_camera
 from fedic.cameras.poses import posed
 from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
@@ -56,6 +57,13 @@ def _expanded(value: object, info: ValidationInfo) -> object:
     return files
 
 
+def _cell(name: str) -> str:
+    if name not in CELL_TYPES:
+        raise ValueError(f"should be one of {', '.join(map(repr, CELL_TYPES))}")
+    return name
+
+
+Cell: TypeAlias = Annotated[str, AfterValidator(_cell)]
 Polygon: TypeAlias = Annotated[list[tuple[Real, Real]], Field(min_length=3)]
 
 
@@ -70,8 +78,8 @@ class RectangleSection(Section):
     """``[mesh.rectangle]``: a regular mesh."""
 
     bounds: tuple[Real, Real, Real, Real]
-    size: Positive = 20.0
-    cell: CellName = "quad"
+    size: Positive
+    cell: Cell = "quad"
 
 
 class UnstructuredSection(Section):
@@ -79,8 +87,8 @@ class UnstructuredSection(Section):
 
     outline: Polygon
     holes: list[Polygon] = Field(default_factory=list)
-    size: Positive = 20.0
-    cell: CellName = "triangle"
+    size: Positive
+    cell: Cell = "triangle"
 
 
 class MeshSection(Section):

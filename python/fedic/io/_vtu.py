@@ -8,13 +8,15 @@ import base64
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fedic._core import CELL_TYPES
+
 __all__ = ["write_vtu"]
 
-_CELL_TYPES = {"triangle": 5, "quad": 9, "triangle6": 22, "quad8": 23, "quad9": 28}
 _TYPE_NAMES = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 
 Array = NDArray[Any]
@@ -36,14 +38,16 @@ def write_vtu(
     points : (n, 3) float64
         Nodes.
     cells : dict
-        Nodes of the cells, (m, k) integers by meshio's name of the type.
+        Nodes of the cells, (m, k) integers by name of the type.
     point_data, cell_data : dict
-        Fields by name (letters and underscores): (n,) or (n, 3) float64 on the nodes, (m,) on the cells, those of
-        one type after the other.
+        Fields by name, float64, int64 or uint8: (n,) or (n, 3) on the nodes, (m,) on the cells, those of one type after
+        the other.
     """
     counts = {name: nodes.shape for name, nodes in cells.items()}
     sizes = np.concatenate([np.full(count, size) for count, size in counts.values()]).astype("<i8")
-    types = np.concatenate([np.full(count, _CELL_TYPES[name]) for name, (count, _) in counts.items()]).astype("u1")
+    types = np.concatenate([np.full(count, CELL_TYPES[name].vtk_type) for name, (count, _) in counts.items()]).astype(
+        "u1"
+    )
     connectivity = np.concatenate([nodes.ravel() for nodes in cells.values()]).astype("<i8")
     grid = [
         ("PointData", point_data.items()),
@@ -68,6 +72,6 @@ def _data_arrays(arrays: Iterable[tuple[str, Array]]) -> Iterable[bytes]:
         numbers = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
         components = f' NumberOfComponents="{numbers.shape[1]}"' if numbers.ndim > 1 else ""
         kind = _TYPE_NAMES[numbers.dtype.str[1:]]
-        yield f'<DataArray type="{kind}" Name="{name}"{components} format="binary">\n'.encode()
+        yield f'<DataArray type="{kind}" Name={quoteattr(name)}{components} format="binary">\n'.encode()
         yield base64.b64encode(np.uint64(numbers.nbytes).astype("<u8").tobytes() + numbers.tobytes())
         yield b"\n</DataArray>\n"

@@ -8,15 +8,13 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fedic._core import Mesh
-from fedic._internal.types import CELL_NAMES, NODE_COUNTS, CellName, Floats
+from fedic._core import CELL_TYPES, CellType, Mesh
+from fedic._internal.types import CellName, Floats
 from fedic.errors import MeshError
 
 __all__ = ["unstructured_mesh"]
 
 _MODEL = "fedic"
-_CELL_CODES: dict[str, int] = {"triangle": 2, "quad": 3, "triangle6": 9, "quad8": 16, "quad9": 10}
-_TRIANGLE_CODES: dict[str, int] = {"quad": 2, "quad8": 9, "quad9": 9}
 _FRONTAL_DELAUNAY, _FRONTAL_DELAUNAY_FOR_QUADS = 6, 8
 _BLOSSOM = 1
 _NO_SUBDIVISION, _ALL_QUADS = 0, 1
@@ -25,7 +23,7 @@ _one_at_a_time = threading.Lock()
 
 
 def unstructured_mesh(
-    outline: ArrayLike, size: float = 20.0, cell: CellName = "triangle", holes: Sequence[ArrayLike] = ()
+    outline: ArrayLike, size: float, cell: CellName = "triangle", holes: Sequence[ArrayLike] = ()
 ) -> Mesh:
     """Mesh the inside of a polygon, without its holes.
 
@@ -36,9 +34,9 @@ def unstructured_mesh(
     outline : array_like, shape (n, 2)
         The corners of the polygon in order, either way round, in the mesh's unit. Its edges stay straight.
     size : float
-        The wanted length of a cell's edge, in the mesh's unit.
-    cell : {"triangle", "triangle6", "quad", "quad8", "quad9"}
-        The kind of all the cells.
+        Length of the cells' edges, in the mesh's unit.
+    cell : str
+        Type of the cells, a name of `CELL_TYPES`.
     holes : sequence of array_like, shape (k, 2)
         Polygons inside the outline, apart from each other. Give a round hole enough corners: each of its edges is an
         edge of one cell or more.
@@ -53,17 +51,19 @@ def unstructured_mesh(
     MeshError
         If Gmsh is not installed, an argument is out of its range, or the polygons cross.
     """
-    if cell not in CELL_NAMES:
-        raise MeshError(f"unstructured_mesh: cell is {cell!r}; choose one of {', '.join(CELL_NAMES)}.")
+    names = [name for name, each in CELL_TYPES.items() if each.gmsh_order is not None]
+    if cell not in names:
+        raise MeshError(f"unstructured_mesh: cell is {cell!r}; choose one of {', '.join(names)}.")
+    cell_type = CELL_TYPES[cell]
     if not (np.isfinite(size) and size > 0.0):
         raise MeshError(f"unstructured_mesh: size is {size!r}; give a positive length in the mesh's unit.")
     border = _polygon(outline, "outline")
     inner = [_polygon(hole, f"holes[{index}]") for index, hole in enumerate(holes)]
     _check_apart([border, *inner])
     gmsh = _import_gmsh()
-    with _one_at_a_time, _session(gmsh, cell):
+    with _one_at_a_time, _session(gmsh, cell_type):
         try:
-            tags, coordinates, connectivity = _generate(gmsh, [border, *inner], size, cell)
+            tags, coordinates, connectivity = _generate(gmsh, [border, *inner], size, cell_type)
         except Exception as error:  # gmsh raises nothing more precise
             raise MeshError(f"unstructured_mesh: Gmsh could not mesh the polygon ({error}).") from error
     if len(connectivity) == 0:
@@ -73,7 +73,7 @@ def unstructured_mesh(
     order = np.argsort(tags)
     rows = order[np.searchsorted(tags, used, sorter=order)]
     points = np.ascontiguousarray(coordinates.reshape(-1, 3)[rows, :2])
-    mesh = Mesh(points, {cell: cells.reshape(-1, NODE_COUNTS[cell])})
+    mesh = Mesh(points, {cell: cells.reshape(-1, cell_type.num_nodes)})
 
     expected = _area(border) - sum(_area(hole) for hole in inner)
     if abs(float(mesh.areas().sum()) - expected) > _AREA_TOLERANCE * _area(border):
@@ -148,18 +148,23 @@ def _check_apart(polygons: list[Floats]) -> None:
 
 
 def _generate(
-    gmsh: ModuleType, polygons: list[Floats], size: float, cell: CellName
+    gmsh: ModuleType, polygons: list[Floats], size: float, cell_type: CellType
 ) -> tuple[NDArray[np.int64], Floats, NDArray[np.int64]]:
     """Return the tags of the nodes, their coordinates and the nodes of the cells, all flat."""
     _fill(gmsh, polygons, size)
-    if cell.startswith("quad") and len(gmsh.model.mesh.getElementsByType(_TRIANGLE_CODES[cell])[0]):
+
+    def code(family: str) -> int:
+        number: int = gmsh.model.mesh.getElementType(family, cell_type.gmsh_order, cell_type.gmsh_incomplete)
+        return number
+
+    if not cell_type.is_triangle and len(gmsh.model.mesh.getElementsByType(code("Triangle"))[0]):
         # An odd number of edges on the border leaves triangles: cut a mesh twice as coarse into quadrilaterals.
         gmsh.model.remove()
         gmsh.model.add(_MODEL)
         gmsh.option.setNumber("Mesh.SubdivisionAlgorithm", _ALL_QUADS)
         _fill(gmsh, polygons, 2.0 * size)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, connectivity = gmsh.model.mesh.getElementsByType(_CELL_CODES[cell])
+    _, connectivity = gmsh.model.mesh.getElementsByType(code("Triangle" if cell_type.is_triangle else "Quadrangle"))
     return (
         np.asarray(tags, dtype=np.int64),
         np.asarray(coordinates, dtype=np.float64),
@@ -180,17 +185,17 @@ def _fill(gmsh: ModuleType, polygons: list[Floats], size: float) -> None:
 
 
 @contextmanager
-def _session(gmsh: ModuleType, cell: CellName) -> Iterator[None]:
+def _session(gmsh: ModuleType, cell_type: CellType) -> Iterator[None]:
     """Run in a model of its own, and leave Gmsh as the caller had it."""
-    quads = cell.startswith("quad")
+    quads = not cell_type.is_triangle
     options = {
         "General.Terminal": 0.0,
         "Mesh.Algorithm": float(_FRONTAL_DELAUNAY_FOR_QUADS if quads else _FRONTAL_DELAUNAY),
         "Mesh.RecombineAll": float(quads),
         "Mesh.RecombinationAlgorithm": float(_BLOSSOM),
         "Mesh.SubdivisionAlgorithm": float(_NO_SUBDIVISION),
-        "Mesh.ElementOrder": 1.0 if cell in ("triangle", "quad") else 2.0,
-        "Mesh.SecondOrderIncomplete": float(cell == "quad8"),
+        "Mesh.ElementOrder": float(cell_type.gmsh_order or 1),
+        "Mesh.SecondOrderIncomplete": float(cell_type.gmsh_incomplete),
     }
     callers_session = bool(gmsh.isInitialized())
     if not callers_session:

@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fedic._core import ImageFrame, Mesh
+from fedic._core import CELL_TYPES, ImageFrame, Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
 
@@ -44,8 +44,6 @@ _BACKDROP_SIDE = 2000
 _LONG_SIDE_INCHES = 7.0
 _MARGIN = 0.06
 _CLIPPED_PERCENT = 0.5
-_CENTRE_WEIGHTS = {4: (0.25,), 6: (-1.0 / 9.0, 4.0 / 9.0), 8: (-0.25, 0.5)}
-"""Shape functions at the centre, for the outline nodes in order: corners, or corners and mid-edge nodes in turn."""
 
 
 def plot_displacement(
@@ -214,18 +212,12 @@ def _triangles(mesh: Mesh, pixels: Floats, values: Floats) -> tuple[Floats, Floa
     points, all_values, triangles = [pixels], [values], []
     count = len(pixels)
     for (name, nodes), outline in zip(mesh.cells.items(), mesh.outlines(), strict=True):
-        sides = outline.shape[1]
-        if sides == 3:
+        if outline.shape[1] == 3:
             triangles.append(outline)
             continue
-        if name == "quad9":
-            centre, centre_values = pixels[nodes[:, 8]], values[nodes[:, 8]]
-        else:
-            weights = np.resize(_CENTRE_WEIGHTS[sides], sides)
-            centre = np.einsum("k,mkd->md", weights, pixels[outline])
-            centre_values = values[outline] @ weights
-        points.append(centre)
-        all_values.append(centre_values)
+        weights = np.array(CELL_TYPES[name].centre_weights)
+        points.append(np.einsum("k,mkd->md", weights, pixels[nodes]))
+        all_values.append(values[nodes] @ weights)
         hub = np.broadcast_to(count + np.arange(len(outline))[:, np.newaxis], outline.shape)
         triangles.append(np.stack([hub, outline, np.roll(outline, -1, axis=1)], axis=-1).reshape(-1, 3))
         count += len(outline)

@@ -5,13 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import Mesh
+from fedic._core import CELL_TYPES, Mesh
 from fedic._internal.types import Floats
 from fedic.registration._space import in_space
 
 __all__ = ["Loop", "boundary_loops"]
-
-_LINEAR_SIDES = (3, 4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +60,9 @@ def _position(mesh: Mesh, point: Floats) -> tuple[float, float]:
 def _boundary_segments(mesh: Mesh) -> NDArray[np.int64]:
     """Return the edges that belong to one cell alone, shape (n, 3), in the direction of their cell."""
     parts = []
-    for outline in mesh.outlines():
-        step = 1 if outline.shape[1] in _LINEAR_SIDES else 2
+    for name, outline in zip(mesh.cells, mesh.outlines(), strict=True):
+        # An edge with more than one inner node counts as straight segments between its nodes.
+        step = 2 if CELL_TYPES[name].edge_intervals == 2 else 1
         first, last = outline[:, ::step], np.roll(outline, -step, axis=1)[:, ::step]
         middle = outline[:, 1::2] if step == 2 else np.full_like(first, -1)
         parts.append(np.stack([first, middle, last], axis=-1).reshape(-1, 3))

@@ -1,6 +1,6 @@
 //! Named sets of nodes and cells.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 use super::Mesh;
 use crate::MeshError;
@@ -8,9 +8,9 @@ use crate::MeshError;
 /// A named set of nodes and cells of a mesh; see [`Mesh::with_sets`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct MeshSet {
-    /// Indices of the nodes.
+    /// Indices of the nodes, ascending.
     pub nodes: Vec<u32>,
-    /// Indices of the cells.
+    /// Indices of the cells, ascending.
     pub cells: Vec<u32>,
 }
 
@@ -22,8 +22,7 @@ impl Mesh {
 
     /// The mesh with these named sets instead of its own.
     ///
-    /// The order of the indices is kept and repeated ones are dropped. A set of cells without nodes gets the nodes of its
-    /// cells.
+    /// Indices are sorted and repeated ones dropped. A set of cells without nodes gets the nodes of its cells.
     ///
     /// # Errors
     ///
@@ -36,7 +35,7 @@ impl Mesh {
     /// let mesh = rectangle_mesh([0.0, 0.0, 2.0, 1.0], 1.0, CellType::Quad)?;
     /// let left = MeshSet { nodes: vec![], cells: vec![0] };
     /// let mesh = mesh.with_sets([("left".to_owned(), left)])?;
-    /// assert_eq!(mesh.sets()["left"].nodes, [0, 1, 4, 3]);
+    /// assert_eq!(mesh.sets()["left"].nodes, [0, 1, 3, 4]);
     /// # Ok::<(), fedic_mesh::MeshError>(())
     /// ```
     pub fn with_sets(mut self, sets: impl IntoIterator<Item = (String, MeshSet)>) -> Result<Self, MeshError> {
@@ -51,11 +50,11 @@ impl Mesh {
             {
                 return Err(error);
             }
-            drop_repeated(&mut set.cells);
+            sort_unique(&mut set.cells);
             if set.nodes.is_empty() {
                 set.nodes = set.cells.iter().flat_map(|&cell| self.cell(cell as usize).nodes).copied().collect();
             }
-            drop_repeated(&mut set.nodes);
+            sort_unique(&mut set.nodes);
             checked.insert(name, set);
         }
         self.sets = checked;
@@ -63,7 +62,7 @@ impl Mesh {
     }
 }
 
-fn drop_repeated(indices: &mut Vec<u32>) {
-    let mut seen = HashSet::new();
-    indices.retain(|&index| seen.insert(index));
+fn sort_unique(indices: &mut Vec<u32>) {
+    indices.sort_unstable();
+    indices.dedup();
 }

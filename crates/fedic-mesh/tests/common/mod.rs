@@ -1,13 +1,13 @@
-//! Random cells and meshes shared by the tests.
+//! Random cells and meshes for the tests.
 
 // Every test file compiles its own copy and uses a part of it.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 use std::collections::HashMap;
 
-use fedic_mesh::{CellType, Mesh, map};
+use fedic_mesh::{CellType, MAX_NODES, Mesh, map, shape_values};
 
-/// Random numbers that depend on nothing but the seed.
+/// Reproducible random numbers.
 pub(crate) struct Random(u64);
 
 impl Random {
@@ -41,7 +41,7 @@ impl Random {
         }
     }
 
-    /// A matrix that rotates at will, shears, and stretches by a factor of `size` in all.
+    /// A matrix of random rotation, shear and aspect, and of determinant `size^2`.
     pub(crate) fn affine(&mut self, size: f64) -> [[f64; 2]; 2] {
         let (sin, cos) = self.between(0.0, std::f64::consts::TAU).sin_cos();
         let (shear, aspect) = (self.between(-0.8, 0.8), self.between(0.6, 1.6));
@@ -142,31 +142,31 @@ pub(crate) fn mesh_of_grid(
     Mesh::new(nodes.points, &blocks).unwrap()
 }
 
-/// Nodes of a mesh, those in the middle of edges made when first asked for.
+/// Nodes of a mesh; nodes other than the corners are created when first used.
 #[derive(Default)]
 struct Builder {
     points: Vec<[f64; 3]>,
-    middle: HashMap<Vec<usize>, usize>,
+    /// By the corners they lie between and their weights, in parts per million.
+    between: HashMap<Vec<(usize, i64)>, usize>,
 }
 
 impl Builder {
     fn cell(&mut self, cell_type: CellType, corners: &[usize]) -> Vec<i64> {
-        let count = corners.len();
-        let nodes = cell_type.num_nodes();
-        let mut parents: Vec<Vec<usize>> = corners.iter().map(|&corner| vec![corner]).collect();
-        parents.extend((0..count).map(|k| vec![corners[k], corners[(k + 1) % count]]));
-        parents.push(corners.to_vec());
-        parents[..nodes].iter().map(|of| self.between(of) as i64).collect()
+        let nodes = cell_type.reference_nodes().iter();
+        nodes.map(|&at| self.node(corners, shape_values(linear(cell_type), at)) as i64).collect()
     }
 
-    fn between(&mut self, parents: &[usize]) -> usize {
-        if let [corner] = parents {
-            return *corner;
+    /// The node at a weighted mean of corners.
+    fn node(&mut self, corners: &[usize], weights: [f64; MAX_NODES]) -> usize {
+        let mut parents: Vec<(usize, f64)> =
+            corners.iter().copied().zip(weights).filter(|p| p.1.abs() > 1e-9).collect();
+        if let [(corner, _)] = parents[..] {
+            return corner;
         }
-        let mut key = parents.to_vec();
-        key.sort_unstable();
-        *self.middle.entry(key).or_insert_with(|| {
-            let mean = |d: usize| parents.iter().map(|&p| self.points[p][d]).sum::<f64>() / parents.len() as f64;
+        parents.sort_unstable_by_key(|&(corner, _)| corner);
+        let key = parents.iter().map(|&(corner, weight)| (corner, (weight * 1e6).round() as i64)).collect();
+        *self.between.entry(key).or_insert_with(|| {
+            let mean = |d: usize| parents.iter().map(|&(corner, weight)| weight * self.points[corner][d]).sum::<f64>();
             self.points.push([mean(0), mean(1), 0.0]);
             self.points.len() - 1
         })
@@ -194,6 +194,18 @@ pub(crate) fn jittered_mesh(
     });
     let [width, height] = shape.map(|n| n as f64);
     (mesh, vec![at(0.0, 0.0), at(width, 0.0), at(width, height), at(0.0, height)])
+}
+
+/// Nodes of a cell listed in the opposite direction: the reference domain mirrored at its diagonal.
+pub(crate) fn clockwise<T: Copy>(cell_type: CellType, nodes: &[T]) -> Vec<T> {
+    let all = cell_type.reference_nodes();
+    let mirrored = |&[x, y]: &[f64; 2]| all.iter().position(|&[a, b]| (a - y).abs() + (b - x).abs() < 1e-9).unwrap();
+    all.iter().map(|at| nodes[mirrored(at)]).collect()
+}
+
+/// Cell types whose edges have this many intervals.
+pub(crate) fn types_with_edge_intervals(intervals: usize) -> Vec<CellType> {
+    CellType::ALL.into_iter().filter(|cell| cell.edge_intervals() == intervals).collect()
 }
 
 /// Nodes of a cell in the plane.

@@ -1,0 +1,111 @@
+"""Writing meshes, with a check that the file holds all of the mesh."""
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._core import Mesh, MeshSet
+from fedic._internal.types import StrPath
+from fedic.errors import FedicError, MeshError
+from fedic.io._meshio import SET_PREFIX, membership, write_with_meshio
+from fedic.io._vtu import write_vtu
+from fedic.io.meshes import read_mesh
+
+__all__ = ["write_mesh"]
+
+_COORDINATE_TOLERANCE = 1e-9
+"""Largest rounding of a coordinate by a text format, relative to the size of the mesh."""
+
+
+def write_mesh(
+    path: StrPath,
+    points: NDArray[np.float64],
+    cells: Mapping[str, NDArray[np.int64]],
+    sets: Mapping[str, MeshSet],
+) -> None:
+    """Write a mesh; this is `Mesh.write`.
+
+    Parameters
+    ----------
+    path : str or path
+        The file; its suffix names the format.
+    points : ndarray, shape (n, 2) or (n, 3)
+        Nodes.
+    cells : dict of str to ndarray of int, shape (m, k)
+        Cells by type.
+    sets : dict of str to MeshSet
+        Named sets.
+
+    Raises
+    ------
+    MeshError
+        If the format is unknown or cannot hold the mesh.
+    FedicError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    mesh = Mesh(points, cells, sets)
+    points = np.ascontiguousarray(np.pad(points, ((0, 0), (0, 3 - points.shape[1]))))
+    try:
+        # Some formats write several files that name each other: they are written under their final names.
+        with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
+            temporary = Path(folder, path.name)
+            _write(temporary, points, cells, sets)
+            _check(temporary, path, mesh)
+            for written in Path(folder).iterdir():
+                written.replace(path.parent / written.name)
+    except MeshError as error:
+        raise MeshError(str(error).replace(str(temporary), str(path))) from error
+    except FileNotFoundError as error:
+        raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.") from error
+    except OSError as error:
+        raise FedicError(f"{path}: the file cannot be written ({error.strerror}).") from error
+
+
+def _write(
+    path: Path,
+    points: NDArray[np.float64],
+    cells: Mapping[str, NDArray[np.int64]],
+    sets: Mapping[str, MeshSet],
+) -> None:
+    node_sets = {name: each.nodes for name, each in sets.items()}
+    cell_sets = {name: each.cells for name, each in sets.items() if len(each.cells)}
+    if path.suffix.lower() == ".vtu":
+        num_cells = sum(len(nodes) for nodes in cells.values())
+        point_data = {SET_PREFIX + name: membership(rows, len(points)) for name, rows in node_sets.items()}
+        cell_data = {SET_PREFIX + name: membership(rows, num_cells) for name, rows in cell_sets.items()}
+        write_vtu(path, points, dict(cells), point_data, cell_data)
+    else:
+        write_with_meshio(path, points, cells, node_sets, cell_sets)
+
+
+def _check(written: Path, path: Path, mesh: Mesh) -> None:
+    """Refuse a file that does not read back as the mesh."""
+
+    def refusal(lost: str) -> MeshError:
+        return MeshError(f"{path}: the format {path.suffix!r} does not hold {lost}; write '.vtu' instead.")
+
+    try:
+        read = read_mesh(written)
+    except MeshError as error:
+        reason = str(error).removeprefix(f"{written}: ").rstrip(".")
+        raise refusal(f"this mesh ({reason})") from error
+    points, read_points = (np.pad(each.points, ((0, 0), (0, 3 - each.points.shape[1]))) for each in (mesh, read))
+    if points.shape != read_points.shape:
+        raise refusal("all the nodes of this mesh")
+    tolerance = _COORDINATE_TOLERANCE * float(np.ptp(points, axis=0).max())
+    if np.abs(points - read_points).max() > tolerance:
+        raise refusal("the coordinates of this mesh to enough digits")
+    cells = read.cells
+    for name, nodes in mesh.cells.items():
+        if name not in cells or not np.array_equal(cells[name], nodes):
+            raise refusal(f"the {name} cells of this mesh")
+    if list(cells) != list(mesh.cells):
+        raise refusal("the cells of this mesh in order")
+    sets = read.sets
+    lost = [name for name, each in mesh.sets.items() if sets.get(name) != each]
+    if lost:
+        raise refusal(f"the named sets of this mesh ({', '.join(lost)})")
