@@ -1,3 +1,4 @@
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -63,14 +64,13 @@ def test_the_colour_scale_of_signed_fields_is_centred_on_zero() -> None:
     result = linear_result("quad")
     signed = plot_displacement(result, IMAGE, "x").axes[0].collections[0]
     assert signed.norm.vmin == -signed.norm.vmax  # type: ignore[operator]
-    object.__setattr__(result, "displacement", result.displacement + 5.0)
+    result = dataclasses.replace(result, displacement=result.displacement + 5.0)
     positive = plot_displacement(result, IMAGE, "x").axes[0].collections[0]
     assert positive.norm.vmin > 4.0  # type: ignore[operator]
 
 
 def test_labels_state_the_unit_of_the_component() -> None:
-    result = linear_result("quad")
-    object.__setattr__(result, "camera", fedic.FrontParallel(1.0, (0.0, 90.0)))
+    result = dataclasses.replace(linear_result("quad"), camera=fedic.FrontParallel(1.0, (0.0, 90.0)))
     assert plot_displacement(result, IMAGE, "y").axes[1].get_ylabel() == "$U_y$ (mesh unit)"
     assert plot_displacement(result, IMAGE, "v", on="reference").axes[1].get_ylabel() == "v (px)"
 

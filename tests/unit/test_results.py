@@ -40,19 +40,31 @@ def test_a_correlator_measures_several_frames(speckle_pair: Pair) -> None:
     np.testing.assert_allclose(again.displacement, first.displacement, atol=5e-3)
     residual = correlator.residual_map(deformed, first.displacement)
     assert residual.shape == reference.shape
-    assert np.isnan(residual[:29]).all()
-    assert np.isfinite(residual[40:120, 40:160]).mean() > 0.5
+    inside = np.zeros(reference.shape, dtype=bool)
+    inside[30:131, 30:171] = True
+    assert np.isnan(residual[~inside]).all()
+    assert np.isfinite(residual[31:130, 31:170]).all()
+    assert np.sqrt(np.nanmean(residual**2)) == pytest.approx(first.residual_rms, rel=0.02)
 
 
-def test_progress_is_reported_and_recorded(speckle_pair: Pair) -> None:
+@pytest.mark.parametrize("initial", ["zero", "pyramid"])
+def test_progress_reports_every_iteration_of_the_history(speckle_pair: Pair, initial: str) -> None:
+    prepared: list[fedic.Progress] = []
     states: list[fedic.Progress] = []
     mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
-    result = fedic.correlate(*speckle_pair, mesh, progress=states.append)
-    assert [(state.stage, state.iteration) for state in states[:2]] == [("prepare", 0), ("solve", 1)]
-    iterations = [(each.level, each.iteration, each.correction, each.residual_rms) for each in states[1:]]
+    correlator = fedic.Correlator(speckle_pair[0], mesh, initial=initial, progress=prepared.append)
+    assert [(state.stage, state.level, state.iteration) for state in prepared] == [("prepare", 0, 0)]
+    result = correlator.correlate(speckle_pair[1], progress=states.append)
+    iterations = [(each.level, each.iteration, each.correction, each.residual_rms) for each in states]
     assert iterations == [tuple(entry) for entry in result.history]
-    assert all(isinstance(entry, fedic.Iteration) for entry in result.history)
-    assert result.history[-1].correction < 1e-3
+    assert [each.stage for each in states] == ["pyramid" if each.level else "solve" for each in states]
+    levels = [entry.level for entry in result.history]
+    assert levels == sorted(levels, reverse=True)
+    assert levels[0] == {"zero": 0, "pyramid": 4}[initial]
+    finest = [entry for entry in result.history if entry.level == 0]
+    assert [entry.iteration for entry in finest] == list(range(1, result.iterations + 1))
+    assert finest[-1].correction < 1e-3 <= finest[-2].correction
+    assert finest[-1].residual_rms == result.residual_rms
 
 
 def test_unused_nodes_are_nan_in_results_and_allowed_in_starts(speckle_pair: Pair) -> None:
