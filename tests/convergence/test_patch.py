@@ -1,7 +1,7 @@
 """Patch tests: a displacement that the elements represent exactly is measured to the accuracy of the interpolation.
 
-Without smoothing: the filter of the deformed image does not deform with the material, which costs a little where it is
-strained (`test_the_error_of_smoothing_under_strain_is_small`).
+The images are not smoothed: the filter does not deform with the material, which causes a small error under strain
+(`test_the_error_of_smoothing_under_strain_is_small`).
 """
 
 from collections.abc import Callable
@@ -71,7 +71,7 @@ def test_affine_displacement_is_measured(images: dict[str, np.ndarray], field: s
 
 
 def test_the_error_of_smoothing_under_strain_is_small(images: dict[str, np.ndarray]) -> None:
-    """The error it adds grows with the strain, here up to 0.8 %; there is none under a translation."""
+    """The error grows with the strain, here up to 0.8 %; a translation has none."""
     mesh = fedic.rectangle_mesh((25.3, 24.6, 135.7, 114.9), 22.0)
     for name, most in (("translation", 0.00006), ("affine", 0.0008)):
         errors = fedic.correlate(images["reference"], images[name], mesh).displacement - FIELDS[name](mesh.points)
@@ -107,6 +107,6 @@ def test_affine_displacement_is_measured_in_millimetres(
     )
     assert result.converged
     errors = result.displacement - stretch(flat.points)
-    # Ten pixels per millimetre: these are the bounds of the test above.
+    # Ten pixels per millimetre: the same bounds in pixels as in `test_affine_displacement_is_measured`.
     assert np.abs(errors).max() < 0.0004
     assert errors.std() < 0.00008

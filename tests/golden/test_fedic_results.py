@@ -1,4 +1,4 @@
-"""Results of fedic itself, stored: a change of the code leaves them as they are."""
+"""Results of fedic are the stored ones: a change of the code does not alter them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The real experiments, held against the reference values; skipped by name where the data are absent."""
+"""Real experiments against stored reference values; skipped where the data are absent."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The registration of the plate with a hole: cameras, the mesh, errors of what is found."""
+"""Registration of the plate with a hole: cameras, mesh, and the errors of a pose."""
 
 from typing import Any
 
@@ -37,7 +37,7 @@ def errors(found: Any, true: Any) -> NDArray[np.float64]:
 
 
 def off(found: Any, true: Any, mesh: fedic.Mesh = MESH) -> NDArray[np.float64]:
-    """Return how far, in pixels, each node is from where it should be."""
+    """Return the distance of each projected node from its true position, in pixels."""
     return np.linalg.norm(found.project(mesh.points) - true.project(mesh.points), axis=1)
 
 

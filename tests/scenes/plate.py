@@ -1,4 +1,4 @@
-"""A speckled plate with a hole, on a plain ground, as a texture; its mesh; wrong starts."""
+"""A speckled plate with a hole on a plain background: texture, mesh and wrong starting poses."""
 
 import itertools
 
@@ -16,7 +16,7 @@ EDGE = 0.06
 
 
 class Plate:
-    """Speckles on the plate, one level around it, 0 to 1."""
+    """Texture from 0 to 1: speckle on the plate, a constant level around it."""
 
     def __init__(self, ground: float, seed: int = 0, size: float = 0.4) -> None:
         self._speckle, self._ground = fedic.synthetic.Speckle(size), ground
@@ -52,12 +52,12 @@ def plate_mesh(cell: str = "quad", divisions: int = 16) -> fedic.Mesh:
 
 
 def signs() -> list[tuple[int, ...]]:
-    """Return all combinations of signs of the four errors of a start."""
+    """Return all combinations of signs of the four errors of a starting pose."""
     return list(itertools.product((-1, 1), repeat=4))
 
 
 def wrong(camera: fedic.FrontParallel | fedic.Pinhole, sign: tuple[int, ...]) -> fedic.FrontParallel | fedic.Pinhole:
-    """Return a camera wrong by 15 px in both directions, 2 degrees and 3 % of scale."""
+    """Return a camera displaced by 15 px in both directions, rotated by 2 degrees and scaled by 3 %."""
     right, down, turn, growth = sign * np.array([15.0, 15.0, np.deg2rad(2.0), 0.03])
     if isinstance(camera, fedic.FrontParallel):
         u, v = camera.origin
@@ -76,7 +76,7 @@ def wrong(camera: fedic.FrontParallel | fedic.Pinhole, sign: tuple[int, ...]) ->
 
 
 class WithTarget:
-    """A plate with a target on it: printed paper, its origin and X axis somewhere on the plate."""
+    """Texture of a plate with a printed target at a given origin and angle."""
 
     def __init__(self, plate: Plate, target: Target, origin: tuple[float, float], angle: float) -> None:
         self._plate, self._target, self._printed = plate, target, Texture(target)

@@ -10,7 +10,7 @@ from fedic.calibration import Target
 SHAPE = (480, 640)
 FOCAL, CENTRE = (900.0, 905.0), (325.0, 236.0)
 BLUR = 0.1
-"""Standard deviation of the edges, half a pixel: no lens is sharper."""
+"""Standard deviation of the blurred edges, in mesh units; half a pixel."""
 
 
 def pinhole(
@@ -20,7 +20,7 @@ def pinhole(
 
 
 def poses(target: Target, count: int, lens: fedic.BrownDistortion) -> list[fedic.Pinhole]:
-    """Return cameras that see the whole target, as large as it goes, tilted about all axes, all over the image."""
+    """Return cameras that see the whole target as large as possible, tilted about all axes, all over the image."""
     rng = np.random.default_rng(0)
     if target.kind == "charuco":
         low, high = np.zeros(2), np.array([target.columns, target.rows]) * target.pitch
@@ -48,7 +48,7 @@ def poses(target: Target, count: int, lens: fedic.BrownDistortion) -> list[fedic
 
 
 class Texture:
-    """What is printed on a target: ink 0, paper 1, edges blurred."""
+    """Texture of a target: ink 0, paper 1, blurred edges."""
 
     def __init__(self, target: Target) -> None:
         self._target = target
@@ -104,7 +104,7 @@ class Texture:
 
 
 def _pieces(values: NDArray[np.float64]) -> list[NDArray[np.float32]]:
-    """Cut an array into pieces that `cv2.remap` takes."""
+    """Split an array into pieces of a size that `cv2.remap` accepts."""
     return np.array_split(values.astype(np.float32), len(values) // 30_000 + 1)
 
 

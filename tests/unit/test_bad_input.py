@@ -1,4 +1,4 @@
-"""Bad input gives a typed error with a sentence that says what, where and what to do."""
+"""Bad input raises a typed error that says what is wrong, where, and what to do."""
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ def test_cells_outside_the_image_are_named(image: np.ndarray) -> None:
     ) as some:
         fedic.correlate(image, image, fedic.rectangle_mesh((50, 20, 130, 60), 20))
     assert some.value.cells == [3, 7]
-    # A camera in the wrong unit: found before billions of quadrature points are made.
+    # A camera in the wrong unit is refused before billions of quadrature points are created.
     with pytest.raises(fedic.MeshError, match=r"cells lie at least partly outside|the whole mesh lies outside"):
         fedic.correlate(image, image, fedic.rectangle_mesh((20, 20, 100, 80), 20), fedic.FrontParallel(1e6))
 
@@ -123,7 +123,7 @@ def test_bad_image_arrays_are_refused(image: np.ndarray, bad: object, message: s
 
 
 def test_divergence_is_reported(image: np.ndarray) -> None:
-    """Uncorrelated images: either the iterations end without convergence, or they diverge by name."""
+    """Uncorrelated images: the iterations end without convergence, or diverge and name the node."""
     other = fedic.synthetic.render(fedic.synthetic.Speckle(4.0, seed=99), fedic.ImageFrame(), (100, 120))
     mesh = fedic.rectangle_mesh((20, 20, 100, 80), 20)
     assert not fedic.correlate(image, other, mesh, max_iterations=8).converged

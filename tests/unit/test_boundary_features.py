@@ -1,4 +1,4 @@
-"""The pieces a mesh's boundary is cut into, and their names."""
+"""Boundary features of a mesh: their pieces, kinds and names."""
 
 from pathlib import Path
 

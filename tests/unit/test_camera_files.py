@@ -1,4 +1,4 @@
-"""Cameras in files: what is written is read again, others' files mean what they say, faults name file and key."""
+"""Camera files: round trips, files of other programs, errors that name the file and the key."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -168,8 +168,8 @@ def test_vic3d_reports_are_read(shared_data: Callable[[str], Path]) -> None:
     assert second.distortion == fedic.BrownDistortion((-0.018, 6.627, 0.0))
     np.testing.assert_array_equal(first.rotation, np.eye(3))
     assert second.translation == (-257.260, -0.838, 77.390)
-    # The report's mean magnifications, 31.2172 and 30.5585 px/mm, are focal length over distance: the centre of the
-    # first image at the distance they give is at the distance they give from the second camera, and in its image.
+    # The mean magnifications of the report, 31.2172 and 30.5585 px/mm, are focal length over distance: the point on the
+    # first optical axis at the first distance must be at the second distance from the second camera, and in its image.
     point = np.array([0.0, 0.0, first.focal[0] / 31.2172])
     from_second = second.rotation @ point + second.translation
     assert second.focal[0] / from_second[2] == pytest.approx(30.5585, rel=2e-3)

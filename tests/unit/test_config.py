@@ -1,3 +1,5 @@
+"""Configuration files: paths, options, and errors that name the key."""
+
 from collections.abc import Callable
 from pathlib import Path
 

@@ -15,7 +15,7 @@ def image() -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def pixels() -> np.ndarray:
-    """Points all over the image of `image`, its outermost half pixels left out."""
+    """Return points between the centres of the outermost pixels of `image`."""
     return np.random.default_rng(1).uniform((0, 0), (82, 60), (4000, 2))
 
 

@@ -1,3 +1,5 @@
+"""Reading images and meshes, and meshing a polygon."""
+
 import sys
 from collections.abc import Callable
 from pathlib import Path

@@ -1,3 +1,5 @@
+"""Plots of meshes, displacements and residuals."""
+
 import dataclasses
 from pathlib import Path
 

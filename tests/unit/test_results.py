@@ -1,3 +1,5 @@
+"""Correlations of one pair: starts, options, progress, and the files a result is written to."""
+
 import json
 from pathlib import Path
 
@@ -134,7 +136,7 @@ def test_fft_start_finds_a_large_motion(shape: tuple[int, int], extent: float) -
 
 
 def test_fft_start_ignores_unused_nodes(speckle_pair: Pair) -> None:
-    """Far outside the lens model, where no pixel can be taken back."""
+    """An unused node far outside the range of the lens, where no pixel can be unprojected."""
     lens = fedic.BrownDistortion((-1.0, 0.0, 0.0))
     camera = fedic.Pinhole((1000, 1000), (100, 80), translation=(0, 0, 1.0), distortion=lens)
     mesh = fedic.rectangle_mesh((-0.05, -0.04, 0.05, 0.04), 0.02)

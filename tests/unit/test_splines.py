@@ -1,4 +1,4 @@
-"""Lenses made of splines: from Python, in files, in calibrations and in measurements."""
+"""Spline lenses: evaluation, files, calibration and measurement."""
 
 import pickle
 import warnings
@@ -51,7 +51,7 @@ def test_spline_lenses_agree_with_the_lens_they_approximate(
         np.testing.assert_allclose(lens.undistort(seen), grid(), rtol=0, atol=2e-8)
     again = fedic.SplineDistortion.from_lens(inverse)
     np.testing.assert_allclose(again.distort(grid()), seen, rtol=0, atol=4e-8)
-    # The domain of the inverse is that of the direct form, distorted.
+    # The domain of the inverse lens is the distorted domain of the direct one.
     corners = BROWN.distort([[DOMAIN[0], DOMAIN[1]], [DOMAIN[2], DOMAIN[3]]])
     assert (inverse.domain[:2] <= corners[0] + 1e-8).all()
     assert (inverse.domain[2:] >= corners[1] - 1e-8).all()
@@ -120,7 +120,7 @@ def test_extrapolation_beyond_the_domain_warns(direct: fedic.SplineDistortion, s
         call(points[:2])
         with pytest.warns(fedic.CalibrationWarning, match=r"outside the domain the lens was calibrated in.*covers"):
             call(points)
-    with warnings.catch_warnings():  # what is not seen at all is no extrapolation
+    with warnings.catch_warnings():  # points behind the camera are not extrapolated
         warnings.simplefilter("error")
         assert np.isnan(camera(direct).project([[0.0, 0.0, 1000.0]])).all()
     near = fedic.SplineDistortion.from_lens(fedic.BrownDistortion((-0.1, 0.0, 0.0)), (-0.08, -0.08, 0.08, 0.08))
@@ -190,12 +190,12 @@ def test_calibration_finds_a_lens_outside_the_brown_model(wavy: tuple) -> None:
     _, points, pixels = wavy
     found = calibrate_points(points, pixels, (WIDTH, HEIGHT), "spline")
     assert isinstance(found.camera.distortion, fedic.SplineDistortion)
-    # 12000 coordinates with a noise of 0.02 px each, less what the field and the poses take of it.
+    # 12000 coordinates with a noise of 0.02 px each, less the degrees of freedom of the field and the poses.
     assert 0.026 < found.reprojection_error < 0.0283
     assert list(found.parameters) == ["fx", "fy", "cx", "cy"]
     assert all(np.isfinite(value) for value in found.standard_deviations.values())
     assert abs(found.parameters["fx"] - FOCAL) < 5.0 * found.standard_deviations["fx"]
-    # Nothing rigid is in what the field adds to the radial lens of a first fit.
+    # The difference from the radial lens of a first fit contains no rigid motion and no change of the intrinsics.
     lens = found.camera.distortion
     radial = calibrate_points(points, pixels, (WIDTH, HEIGHT), "radial1").camera.distortion
     assert isinstance(radial, fedic.BrownDistortion)
@@ -227,7 +227,7 @@ def test_calibration_finds_a_strong_lens(wavy: tuple) -> None:
     found = calibrate_points(views.points, views.pixels, (WIDTH, HEIGHT), "inverse-spline")
     assert isinstance(found.camera.distortion, fedic.InverseSplineDistortion)
     assert found.reprojection_error < 0.0283
-    # The same rays, up to a turn of the camera, which the poses take along.
+    # Equal rays up to a rotation of the camera, which the poses compensate.
     u, v = np.meshgrid(np.linspace(40.0, WIDTH - 41.0, 12), np.linspace(40.0, HEIGHT - 41.0, 9))
     seen = np.column_stack([u.ravel(), v.ravel()])
     rays = found.camera.distortion.undistort((seen - found.camera.principal_point) / found.camera.focal)

@@ -1,4 +1,4 @@
-"""Synthetic images against the texture they are made of, and known changes of images against what they should be."""
+"""Synthetic images against their texture; noise and Fourier shifts against their definition."""
 
 from collections.abc import Callable
 
@@ -35,20 +35,20 @@ CAMERAS = {
 
 
 def sample_pixels(rows: tuple[int, int], width: int, supersampling: int) -> Floats:
-    """Image points of all the samples, pixel by pixel."""
+    """Return the image points of all samples, pixel by pixel."""
     offsets = (np.arange(supersampling) + 0.5) / supersampling - 0.5
     v, u, dv, du = np.meshgrid(np.arange(*rows), np.arange(width), offsets, offsets, indexing="ij")
     return np.stack([u + du, v + dv], axis=-1).reshape(-1, 2)
 
 
 def aperture_error(camera: fedic.Pinhole, rows: tuple[int, int], width: int, supersampling: int) -> float:
-    """Largest distance in pixels between samples of an aperture and where the camera sees them."""
+    """Return the largest distance in pixels between the samples of an aperture and their projection."""
     points = aperture_points(camera, rows, width, supersampling).reshape(-1, 2)
     return float(np.abs(camera.project(points) - sample_pixels(rows, width, supersampling)).max())
 
 
 def test_aperture_points_project_into_the_pixel_through_a_lens() -> None:
-    # The first rows hold the corners, where the lens bends most.
+    # The first rows contain the corners, where the distortion is largest.
     assert aperture_error(DEMO_CAMERA, (0, 4), 1388, 3) < 3e-7
     wide = pinhole(1400.0, (700.0, 500.0), -0.2)
     assert aperture_error(wide, (0, 4), 1400, 3) < 1e-4
@@ -60,7 +60,7 @@ def test_the_error_of_the_aperture_is_of_second_order() -> None:
     errors = [
         aperture_error(pinhole(focal, (0.7 * focal, 0.5 * focal), -0.2), (0, 1), 3, 3) for focal in (500.0, 2000.0)
     ]
-    # The pixel is a quarter as large; the error is in pixels.
+    # The pixel is a quarter of the size; the error is in pixels.
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
 
 
@@ -150,7 +150,7 @@ def test_noise_has_the_given_mean_and_variance(level: float, noise: float, shot_
     count = 400 * 500
     sample = add_noise(np.full((400, 500), level), noise=noise, shot_noise=shot_noise, seed=7).astype(np.float64)
     variance = noise**2 + shot_noise * level
-    # Five standard deviations of the mean and of the variance of so many Gaussian numbers, and float32's rounding.
+    # Five standard deviations of the sample mean and variance, and the rounding of float32.
     assert abs(sample.mean() - level) <= 5.0 * np.sqrt(variance / count) + 1e-7 * level
     assert abs(sample.var() - variance) <= 5.0 * variance * np.sqrt(2.0 / count) + 1e-6
 
@@ -244,7 +244,7 @@ def test_opposite_fourier_shifts_cancel() -> None:
     ramp = np.linspace(0.0, 120.0, 171)
     image = render(Speckle(5.0, seed=6), fedic.ImageFrame(), (140, 171), levels=(0.1, 0.5)) + ramp
     back = fourier_shift(fourier_shift(image, (0.4, -2.3)), (-0.4, 2.3))
-    # What left at the borders does not come back; its echo fades with the distance.
+    # Values shifted out at the borders are lost; their effect decays with the distance.
     assert np.abs(inside(back) - inside(image)).max() < 0.1
 
 

@@ -1,4 +1,4 @@
-"""One Gauss-Newton step against a dense assembly in NumPy."""
+"""Gauss-Newton steps, solutions and quadrature points against dense computations in NumPy."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ CAMERAS = {"image": fedic.ImageFrame(), "front": fedic.FrontParallel(1000.0, (80
 
 
 def mesh_in_image(camera: object, cell: str, shake: float = 1.0) -> fedic.Mesh:
-    """Return a turned mesh of about 80 x 60 px, its nodes shaken, that the camera sees inside a 160 x 140 image."""
+    """Return a rotated mesh of about 80 x 60 px with perturbed nodes, inside a 160 x 140 image."""
     mesh = fedic.rectangle_mesh((40.3, 40.6, 120.2, 99.8), 20.0, cell)  # type: ignore[arg-type]
     pixels = (mesh.points - (80, 70)) @ np.array([[0.99, 0.12], [-0.1, 0.98]]) + (80, 70)
     pixels += np.random.default_rng(3).uniform(-shake, shake, mesh.points.shape)
@@ -39,7 +39,7 @@ def test_first_step_agrees_with_a_dense_system(
     images: tuple[np.ndarray, np.ndarray], camera: str, rule: str, cell: str, hessian: str
 ) -> None:
     projector = CAMERAS[camera]
-    # The pixel rule takes edges as straight: beside a curved edge a pixel may go to the neighbour of its own cell.
+    # The pixel rule assumes straight edges: a pixel beside a curved edge may be assigned to the neighbouring cell.
     mesh = mesh_in_image(projector, cell, shake=0.0 if rule == "pixel" and cell in CURVED else 1.0)
     start = 0.001 * (mesh.points - mesh.points.mean(0))
     core = _core.Correlator(
@@ -71,13 +71,13 @@ def test_first_step_agrees_with_a_dense_system(
     matrix = at_hessian.T @ (weights[:, None] * at_hessian)
     expected = np.linalg.solve(matrix, operator.T @ (weights * residual)).reshape(-1, 2)
     scale = np.abs(expected).max()
-    # Gradients are kept in 20 bits; the Jacobian of a lens counts as linear over a cell where it is to 1e-4.
+    # Gradients are stored in 20 bits; the Jacobian of a lens is taken as linear over a cell where it is to 1e-4.
     np.testing.assert_allclose(step, expected, rtol=0, atol=2e-4 * scale)
 
 
 @pytest.mark.parametrize("cell", CELLS)
 def test_solution_agrees_with_a_dense_double_precision_solver(images: tuple[np.ndarray, np.ndarray], cell: str) -> None:
-    """Iterated to the end on noisy images: 20-bit gradients and single precision do not move the solution."""
+    """Noisy images: 20-bit gradients and single precision do not change the converged solution."""
     noise = np.random.default_rng(5).normal(0.0, 2.0, (2, 140, 160)).astype(np.float32)
     reference, deformed = images[0] + noise[0], images[1] + noise[1]
     mesh = mesh_in_image(fedic.ImageFrame(), cell)

@@ -1,4 +1,4 @@
-"""The predicted standard deviation of the displacement: against a dense computation, and against noise itself."""
+"""Predicted standard deviations of the displacement against dense matrices and Monte Carlo."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def speckle(shift: np.ndarray | float = 0.0) -> np.ndarray:
 
 
 def shaken_mesh(cell: str) -> fedic.Mesh:
-    """Return a mesh in pixels whose nodes sit anywhere among them, its edges straight."""
+    """Return a mesh in pixels with perturbed nodes and straight edges."""
     corner = {"quad8": "quad", "quad9": "quad", "triangle6": "triangle"}.get(cell, cell)
     coarse = fedic.rectangle_mesh(BOUNDS, 20.0, corner)  # type: ignore[arg-type]
     moves = np.random.default_rng(0).uniform(-2, 2, coarse.points.shape)
@@ -97,7 +97,7 @@ def test_standard_deviations_on_a_slanted_plane_agree_with_dense_matrices() -> N
     image = speckle().astype(np.float32)
     found = fedic.Correlator(image, mesh, camera, **BARE).standard_deviations(3.0)  # type: ignore[arg-type]
     np.testing.assert_allclose(found, dense_deviations(image, mesh, camera, DENSE, 3.0), rtol=1e-4)
-    # What counts is the image, which sees the same as of the plane itself.
+    # The image of the slanted plane is that of the flat one, and so are the deviations.
     np.testing.assert_allclose(found, fedic.Correlator(image, flat, camera, **BARE).standard_deviations(3.0), rtol=1e-4)
 
 
@@ -119,7 +119,7 @@ def test_standard_deviations_on_a_slanted_plane_agree_with_dense_matrices() -> N
 def test_the_scatter_of_noisy_measurements_agrees_with_the_prediction(
     cell: str, options: dict[str, object], within: float
 ) -> None:
-    """Both images carry the noise, and the prediction knows only the noisy reference of the first draw."""
+    """Both images are noisy; the prediction uses the noisy reference of the first draw."""
     noise, draws = 1.0, 200
     images, mesh, rng = (speckle(), speckle(SHIFT)), shaken_mesh(cell), np.random.default_rng(5)
     errors, predicted = [], None
@@ -137,7 +137,7 @@ def test_the_scatter_of_noisy_measurements_agrees_with_the_prediction(
 
 
 def test_finite_difference_gradients_scatter_less_than_predicted() -> None:
-    """They are shorter than the gradient, and the residual varies with the gradient: by 11 % on this fine a speckle."""
+    """Finite differences underestimate the gradient of this fine speckle by 11 %."""
     images, mesh, rng = (speckle(), speckle(SHIFT)), shaken_mesh("quad"), np.random.default_rng(5)
     found = []
     for _ in range(100):

@@ -1,4 +1,4 @@
-"""Calibration: against OpenCV, by Monte Carlo, on rendered targets, on real images, what is said when it fails."""
+"""Calibration: exact points, Monte Carlo, rendered targets, real images, and errors."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -56,7 +56,7 @@ def test_exact_points_recover_the_camera(distortion: str) -> None:
 
 @pytest.mark.parametrize("distortion", ["brown", "radial2+prism"])
 def test_parameters_lie_within_their_standard_deviations(distortion: str) -> None:
-    """The issue: within 3 of them in 95 of 100 draws. Those of a pose and the scatter itself are checked beside."""
+    """Within three standard deviations in 95 of 100 draws, intrinsics and one pose; their scatter is one."""
     pixels, lens = views(distortion), LENSES[distortion]
     true_pose = poses(BOARD, 12, lens)[3]
     scores, pose_scores = [], []
@@ -73,7 +73,7 @@ def test_parameters_lie_within_their_standard_deviations(distortion: str) -> Non
         assert all(view.accepted and view.used.all() for view in calibration.views)
     for each in (np.array(scores), np.array(pose_scores)):
         assert ((np.abs(each) < 3.0).sum(axis=0) >= 95).all()
-        # The scatter of 100 draws of deviation one: 1 +- 0.07, and within four of those.
+        # The sample standard deviation of 100 draws is 1 +- 0.07; four of those.
         assert (np.abs(each.std(axis=0) - 1.0) < 0.3).all()
 
 
@@ -93,7 +93,7 @@ def test_real_chessboard_images(shared_data: Callable[[str], Path], distortion: 
 
     points = [view.points[view.used].astype(np.float32) for view in calibration.views]
     pixels = [view.pixels[view.used] for view in calibration.views]
-    # OpenCV takes single precision: both are fitted to the points so rounded.
+    # OpenCV takes single precision: both programs are given the rounded points.
     rounded = [each.astype(np.float32) for each in pixels]
     ours = calibrate_points(points, rounded, calibration.image_size, distortion)
     assert all(view.used.all() for view in ours.views)
@@ -124,7 +124,7 @@ def test_the_camera_is_recovered_from_rendered_targets(text: str) -> None:
     grid = np.stack(np.meshgrid(np.linspace(0, SIZE[0] - 1, 20), np.linspace(0, SIZE[1] - 1, 15)), axis=-1).reshape(
         -1, 2
     )
-    # Some of the targets look the same upside down.
+    # Some targets are symmetric under half a turn.
     upside_down = np.diag([-1.0, -1.0, 1.0])
     span = target.points.max(axis=0) + target.points.min(axis=0)
     for camera, view in zip(cameras, calibration.views, strict=True):

@@ -1,3 +1,5 @@
+"""The command line: runs, the demo, progress and errors."""
+
 import json
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Threads, the interpreter lock and Ctrl-C."""
+"""Threads, the interpreter lock, Ctrl-C and callbacks."""
 
 import itertools
 import threading
@@ -52,8 +52,8 @@ def test_other_python_threads_run_during_a_correlation(images: tuple[np.ndarray,
     thread = threading.Thread(target=tick)
     thread.start()
     try:
-        # Were the interpreter lock held, at most two ticks would fall into a correlation. On a busy machine the thread
-        # may not run during one of them.
+        # With the interpreter lock held, at most two ticks would fall into a correlation. On a busy machine the thread
+        # may not run during some of them.
         assert any(ticks_during_a_correlation() > 10 for _ in range(20))
     finally:
         over.set()
@@ -62,7 +62,7 @@ def test_other_python_threads_run_during_a_correlation(images: tuple[np.ndarray,
 
 @pytest.mark.parametrize(("density", "stage"), [(100.0, "preparing"), (1.0, "iterating")])
 def test_ctrl_c_stops_a_correlation_within_two_processor_seconds(density: float, stage: str) -> None:
-    """With a density of 100 the preparation takes minutes; the iterations of a density of 1 are repeated for ever."""
+    """The preparation takes minutes with a density of 100; the iterations with a density of 1 are repeated for ever."""
     child = """
         import sys, numpy as np, fedic
         image = np.random.default_rng(0).integers(0, 255, (2000, 2000), dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""The experiments in their quick form: what they measure, the files they leave, the page that shows them."""
+"""Quick versions of the experiments: results, files and the report."""
 
 import csv
 import json

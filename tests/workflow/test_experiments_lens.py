@@ -1,4 +1,4 @@
-"""The experiments through a lens, in their quick versions: every claim, and the figures that it stands on."""
+"""Quick versions of the experiments with a lens: every claim and its figures."""
 
 from collections.abc import Callable
 from typing import Any
@@ -114,7 +114,7 @@ def test_distortion_biases_only_without_the_lens_in_the_projector(quick: Callabl
 
 
 def test_the_bias_without_the_lens_is_the_difference_of_distortions(gmsh: Any) -> None:
-    """By hand: ``x (1 + k1 r^2)`` on the retinal plane, at the node and where it arrives."""
+    """``x (1 + k1 r^2)`` in normalised image coordinates, at the node before and after the motion."""
     scene = Scene()
     mesh = window_mesh(scene.window, 30.0, "quad")
     focal, centre, k1 = 8381.24, np.array([706.053, 503.725]), -0.0321253
@@ -129,7 +129,7 @@ def test_the_bias_without_the_lens_is_the_difference_of_distortions(gmsh: Any) -
 
 
 def test_the_rounding_floor_is_the_error_of_a_translation() -> None:
-    """A sine of 20 px along u and v on the whole window: its mean squared slope is known."""
+    """A sine of 20 px along u and v, whose mean squared slope is known."""
     scene = Scene()
     v, u = np.mgrid[:1036, :1388]
     wave = 100.0 + 50.0 * (np.sin(2.0 * np.pi * u / 20.0) + np.sin(2.0 * np.pi * v / 20.0))

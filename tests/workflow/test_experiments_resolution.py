@@ -1,4 +1,4 @@
-"""The experiments on the star and on convergence, in their quick versions, held against the reference values."""
+"""Quick versions of the experiments on resolution and convergence, against reference values."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -32,7 +32,7 @@ def broken(claims: list[Claim]) -> list[str]:
 
 
 def check_star(outcome: Outcome, star: str, *, turned_loss: float) -> None:
-    """Hold one star against the reference values, which have some percent of scatter."""
+    """Compare one star with the reference values, which scatter by a few per cent."""
     quad = row_of(outcome, star=star, group="sizes", cell="quad")
     assert float(quad["noise_px"]) == pytest.approx(0.0100, rel=0.05)
     assert float(quad["period_px"]) == pytest.approx(28.6, rel=0.06)
@@ -126,7 +126,7 @@ def test_convergence_experiment_holds_its_claims(convergence: Outcome) -> None:
 
 
 def test_scenes_move_by_their_stated_displacement() -> None:
-    """The displacement of a rotated image, measured, is the one that the scene tells."""
+    """The measured displacement of a rotated image is that of the scene."""
     scene = scenes(Request())[0]
     motion = Motion("rotation", 3.0)
     mesh = scene.mesh(20, "quad")

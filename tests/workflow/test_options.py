@@ -1,4 +1,4 @@
-"""What each option of a correlation changes, and what it must not."""
+"""The options of a correlation: what each changes and what it leaves unchanged."""
 
 from typing import Literal
 
@@ -45,7 +45,7 @@ def test_element_brightness_corrects_uneven_light(pair: tuple[np.ndarray, np.nda
 
 
 def test_the_hessian_option_does_not_change_the_solution() -> None:
-    """A close camera: its Jacobian changes by several per cent over the motion."""
+    """A close camera, whose Jacobian changes by several per cent over the motion."""
     camera = fedic.Pinhole((300, 300), (120, 95), rotation=[np.pi + 0.3, 0.2, 0.0], translation=(0.0, 0.0, 1.0))
     texture = fedic.synthetic.Speckle(0.02, seed=9)
     images = [fedic.synthetic.render(texture, camera, (190, 240), displacement=s) for s in (None, (0.02, 0.01))]
@@ -119,7 +119,7 @@ def test_a_given_start_saves_iterations(pair: tuple[np.ndarray, np.ndarray]) -> 
 
 
 def test_quadrature_rules_have_nearly_equal_noise() -> None:
-    """On the same noisy images, unfiltered, one point per pixel is at most 3 % noisier than twice as many and more."""
+    """On the same noisy images without smoothing, one point per pixel is at most 3 % noisier than two and more."""
     texture = fedic.synthetic.render(SPECKLE, FRAME, (240, 240), bits=16) / 257.0
     mesh = fedic.rectangle_mesh((20.3, 20.7, 212.1, 213.9), 20.0)
     shaken = mesh.points + np.random.default_rng(0).uniform(-3, 3, mesh.points.shape)
@@ -137,7 +137,7 @@ def test_quadrature_rules_have_nearly_equal_noise() -> None:
 
 
 def test_the_rotated_rule_has_less_bias_than_the_edges_rule() -> None:
-    """Elements of whole pixels and a fine texture: every point of `edges` has the same place in its pixel."""
+    """With elements of whole pixels, all points of `edges` have the same position within their pixel."""
     fine = fedic.synthetic.Speckle(2.2, seed=3)
     reference = fedic.synthetic.render(fine, FRAME, (200, 200), supersampling=5)
     deformed = fedic.synthetic.fourier_shift(reference, (0.3, 0.0))

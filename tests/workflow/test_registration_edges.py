@@ -1,4 +1,4 @@
-"""Registration from the edges of rendered plates: accuracy, standard deviations, hidden parts, refusals."""
+"""Registration from the edges of rendered plates: accuracy, standard deviations, hidden edges, errors."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from scenes.plate import Plate, plate_mesh, signs, wrong
 @pytest.mark.parametrize("ground", [0.02, 0.5, 0.98], ids=["dark", "mean", "bright"])
 @pytest.mark.parametrize("name", CAMERAS)
 def test_a_rendered_plate_is_found_from_wrong_starts(name: str, ground: float) -> None:
-    """Measured: the worst node is up to 0.5 px off with four unknowns and 0.8 px with six; speckles hide the edge."""
+    """Measured error of the worst node: 0.5 px with four unknowns, 0.8 px with six; speckles hide the edge."""
     camera, worst = CAMERAS[name], {"front": 0.6, "pinhole": 1.0}[name]
     image = plate(camera, ground, seed=3)
     for sign in signs()[::3]:
@@ -30,7 +30,7 @@ def test_a_rendered_plate_is_found_from_wrong_starts(name: str, ground: float) -
 
 
 def test_standard_deviations_from_edges_agree_with_monte_carlo() -> None:
-    """The edges' errors come from the speckles: a new plate for each draw."""
+    """The errors of the edges come from the speckle: each draw has a new one."""
     camera, start = fedic.FrontParallel(5.0, (20.0, 160.0), 0.05), fedic.FrontParallel(5.01, (20.5, 159.5), 0.051)
     ratios = []
     for seed in range(100):

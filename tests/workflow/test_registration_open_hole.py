@@ -1,4 +1,4 @@
-"""The real open hole: from sixteen wrong starts, its edges measured by other means, and the field measured with it."""
+"""Registration on real images of the open hole: sixteen wrong starts, independent edges, the displacement."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -29,7 +29,7 @@ def image(shared_data: Shared) -> NDArray[np.uint8]:
 
 
 def edge_distances(image: NDArray[np.uint8], mesh: fedic.Mesh, camera: fedic.FrontParallel, name: str) -> np.ndarray:
-    """Return distances (px) from the nodes' line or circle to the image's edge, none of it by the fitting code.
+    """Return distances (px) from the line or circle of the nodes to the edge in the image, without the fitting code.
 
     Outwards along each normal; profiles of 0.25 px, averaged over 24 px along the edge; the last crossing of the level
     half-way between the medians of the two sides.
@@ -86,10 +86,10 @@ def test_the_pose_is_found_from_wrong_starts(sign: tuple[int, ...], mesh: fedic.
 def test_the_registered_camera_fits_the_edges_better_than_the_manual_one(
     mesh: fedic.Mesh, image: NDArray[np.uint8]
 ) -> None:
-    """Measured, mean and root mean square distance in pixels, against the camera placed by hand.
+    """Measured, mean and root mean square distance in pixels, compared with the camera placed by hand.
 
     Bottom -0.21, 0.25 against 0.46, 0.48; top 0.13, 0.36 against -0.80, 0.87; hole -0.84, 0.89 against -0.80, 1.01. The
-    hole's radius is 0.8 px larger in the image than in the mesh, which no pose that fits the sides mends.
+    hole's radius is 0.8 px larger in the image than in the mesh, which no pose that fits the sides can correct.
     """
     found = fedic.register(mesh, image, wrong(REFERENCE, (1, 1, 1, 1)), features=FEATURES).camera
     assert isinstance(found, fedic.FrontParallel)

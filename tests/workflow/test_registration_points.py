@@ -42,7 +42,7 @@ def test_four_coplanar_points_need_no_start_and_three_need_one() -> None:
     start = wrong(PINHOLE, (1, 1, 1, 1))
     exact = fedic.register(MESH, BLANK, start, points=(POINTS[some[:3]], pixels[some[:3]]))
     np.testing.assert_allclose(off(exact.camera, PINHOLE), 0.0, atol=1e-6)
-    assert np.isnan(exact.covariance).all()  # as many numbers as unknowns say nothing of the noise
+    assert np.isnan(exact.covariance).all()  # no residual is left to estimate the noise
     known = fedic.register(MESH, BLANK, start, points=(POINTS[some[:3]], pixels[some[:3]]), pixel_noise=0.05)
     assert np.isfinite(known.covariance).all()
 

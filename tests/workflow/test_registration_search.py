@@ -1,4 +1,4 @@
-"""Registration in large images: what the search and the edges take of time and memory, and what is too wide."""
+"""Registration in large images: number of trials, memory, and limits of the search."""
 
 import tracemalloc
 from typing import Any
@@ -41,7 +41,7 @@ def strips(camera: Any) -> list[edges.Strip]:
 def test_wide_searches_are_bounded_in_trials_and_memory(
     large: NDArray[np.uint8], sign: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Steps of 7.5 px over 200 px, 4 degrees and 6 % would be over two million trials."""
+    """A full grid of 7.5 px steps over 200 px, 4 degrees and 6 % has over two million trials."""
     tried = []
 
     def scores(channels: Any, outline: Any, candidates: Any, *rest: Any) -> Any:
@@ -62,7 +62,7 @@ def test_wide_searches_are_bounded_in_trials_and_memory(
 
 
 def test_the_memory_of_a_search_does_not_grow_with_the_features() -> None:
-    """Features that reach 7000 px in an image of 100 megapixels; nothing is drawn in it."""
+    """Features of 7000 px in an empty image of 100 megapixels."""
     image = np.zeros((6500, 15000), dtype=np.uint8)
     camera = fedic.FrontParallel(200.0, (1500.0, 6250.0), 0.03)
     ready = strips(camera)

@@ -46,7 +46,7 @@ class TestTarget:
     ) -> None:
         found = fedic.register(MESH, image, wrong(PINHOLE, sign), target=BOARD, features=["hole 0", "right"])
         assert off(found.camera, PINHOLE).max() < 0.8
-        # The plane is the target's: the tilt is as well known as with the target alone.
+        # The target determines the plane: the tilt is as accurate as with the target alone.
         assert max(found.standard_deviations[name] for name in ("rx", "ry")) < 1e-3
         assert np.abs(errors(found.camera, PINHOLE)[:2]).max() < 2e-3
         away = np.linalg.norm(found.points[-7:, :2].mean(axis=0) - found.points[:7, :2].mean(axis=0))

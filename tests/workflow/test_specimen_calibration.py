@@ -1,4 +1,4 @@
-"""The camera from the specimen itself: the paper's scene, Monte Carlo, and what the images do not tell."""
+"""Calibration on the specimen: the scene of the paper, Monte Carlo, undetermined parameters, errors."""
 
 import time
 from typing import Any
@@ -22,7 +22,7 @@ MOTIONS = ((70.0, -20.0), (-45.0, 50.0), (10.0, -60.0))
 
 
 def small_camera(k1: float | None = K1, centre: tuple[float, float] = CENTRE) -> fedic.Pinhole:
-    """Return a camera one world unit of which is a pixel."""
+    """Return a camera in whose world frame one unit is one pixel."""
     lens = None if k1 is None else fedic.BrownDistortion((k1, 0.0, 0.0))
     return fedic.Pinhole((FOCAL, FOCAL), centre, np.diag([1.0, -1.0, -1.0]), (0.0, 0.0, FOCAL), distortion=lens)
 
@@ -31,14 +31,14 @@ START = small_camera(None, (119.5, 89.5))
 
 
 def specimen(size: float = 24.0, shape: tuple[int, int] = SHAPE, camera: fedic.Pinhole = START) -> fedic.Mesh:
-    """Return a mesh of all that the camera sees."""
+    """Return a mesh of the region the camera sees."""
     pixels = fedic.rectangle_mesh((1.0, 1.0, shape[1] - 2.0, shape[0] - 2.0), size)
     return fedic.Mesh(camera.unproject(pixels.points)[:, :2], pixels.cells)
 
 
 @pytest.fixture(scope="module")
 def frames() -> list[NDArray[np.float32]]:
-    """Return the small specimen at rest and after its motions, neither rounded nor noisy."""
+    """Return float images without noise of the small specimen at rest and after its motions."""
     texture = fedic.synthetic.Speckle(5.0, seed=3)
     render = fedic.synthetic.render
     return [
@@ -59,7 +59,7 @@ def scene_images() -> list[Any]:
 
 
 def test_the_lens_found_on_the_specimen_improves_the_next_measurement(scene_images: list[Any]) -> None:
-    """Issue: k1 within 1 %, displacement error at most 0.003 px where ignoring the lens gives 0.017."""
+    """k1 within 1 %; displacement error at most 0.003 px, 0.017 px if the lens is ignored."""
     scene = Scene()
     true = scene.camera
     centre = ((WIDTH - 1) / 2, (HEIGHT - 1) / 2)
@@ -122,7 +122,7 @@ def test_standard_deviations_agree_with_repeated_calibrations(
         scores.append(error / deviations[-1])
         noises.append(found.noise)
     assert (np.abs(scores) < 3.0).mean(axis=0).min() >= 0.95
-    # The scatter itself: 40 draws tell it within 11 %.
+    # The sample standard deviation of 40 draws is accurate to 11 %.
     assert_allclose(np.std(scores, axis=0), 1.0, atol=0.3)
     assert np.mean(noises) == pytest.approx(noise, rel=0.05)
 
@@ -134,7 +134,7 @@ def test_motions_lie_within_their_standard_deviations(frames: list[NDArray[np.fl
     held = [2, 3, 4]
     assert (found.motions[:, held] == 0.0).all()
     assert (found.motion_standard_deviations[:, held] == 0.0).all()
-    # In the plane the specimen's scale and turn are those of the start, known: the focal length and the pose are true.
+    # Scale and rotation in the plane are known from the start, whose focal length and pose are true.
     errors = found.motions[:, [0, 1, 5]] - np.column_stack([MOTIONS, np.zeros(3)])
     assert (np.abs(errors) < 4.0 * found.motion_standard_deviations[:, [0, 1, 5]]).all()
 
@@ -156,7 +156,7 @@ def test_out_of_plane_motions_are_found() -> None:
 
 
 def test_the_tilt_of_the_camera_is_found() -> None:
-    """A camera that looks askew by one degree and more, its principal point known."""
+    """A camera tilted by more than one degree with a known principal point."""
     turns = np.array([0.02, -0.03])
     start = small_camera(None, CENTRE)
     tilt = fedic.Pinhole((1.0, 1.0), (0.0, 0.0), rotation=[*turns, 0.0]).rotation
@@ -169,7 +169,7 @@ def test_the_tilt_of_the_camera_is_found() -> None:
     ]
     found = fedic.calibrate_on_specimen(images[0], images[1:], specimen(), start, ("k1", "rx", "ry"))
     assert found.converged
-    # exp(d) R of the start: the turn is read off the rotation that is left.
+    # The rotation is exp(d) times that of the start: d is read off the remaining rotation.
     left = tilt.T @ found.camera.rotation @ start.rotation.T
     deviations = [found.standard_deviations[name] for name in ("rx", "ry")]
     assert (np.abs([left[2, 1], left[0, 2]]) < 4.0 * np.array(deviations)).all()
@@ -190,7 +190,7 @@ def test_a_specimen_larger_than_the_image_improves_the_calibration(frames: list[
     larger = fedic.calibrate_on_specimen(frames[0], frames[1:], wide, START, noise=2.0)
     inner = fedic.calibrate_on_specimen(frames[0], frames[1:], specimen(), START, noise=2.0)
     assert_allclose(larger.camera.principal_point, inner.camera.principal_point, rtol=0, atol=0.05)
-    # What only moved images see counts too.
+    # Parts that only the moved images show add information.
     assert larger.standard_deviations["k1"] < 0.99 * inner.standard_deviations["k1"]
 
 

@@ -1,4 +1,4 @@
-//! The same bits whatever the number of threads, and from one run to the next.
+//! Results are identical bit by bit for any number of threads and from one run to the next.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -10,7 +10,7 @@ use common::{Motion, mixed_mesh, render};
 use fedic::{Brightness, Correlator, Hessian, Image, ImageFrame, Options, Quadrature, Rule, Solution, Start};
 use fedic_synthetic::Speckle;
 
-/// Everything in a solution that is a number, as bits: NaN equals NaN.
+/// All numbers of a solution as bits, so that NaN equals NaN.
 fn bits(solution: &Solution) -> Vec<u64> {
     let fields = solution.displacement.iter().chain(&solution.pixel_displacement).flatten();
     let iterations = solution.history.iter().flat_map(|i| [&i.correction, &i.residual_rms]);
@@ -20,7 +20,7 @@ fn bits(solution: &Solution) -> Vec<u64> {
 }
 
 fn solve(images: &[Image; 2], options: &Options, num_threads: Option<usize>) -> Solution {
-    // More cells than one thread takes at once.
+    // More cells than one thread processes at a time.
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
     let options = options.clone().num_threads(num_threads);
     let correlator = Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame), options).unwrap();

@@ -1,4 +1,4 @@
-//! Correlations that cannot be: what is at fault and where, never hidden.
+//! Impossible correlations are refused with the cause and its place.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -57,7 +57,7 @@ fn cells_outside_the_image_are_named() {
 #[test]
 fn a_mesh_entirely_outside_the_image_is_refused() {
     let [reference, _] = images();
-    // Millimetres taken for metres: quickly, not after billions of points.
+    // Millimetres given as metres are refused before billions of points are created.
     let camera = Arc::new(FrontParallel::new(1e7, [40.0, 40.0]).unwrap());
     let mesh = quads([-20.0, -20.0, 20.0, 20.0], 20.0);
     let error = Correlator::new(Arc::new(reference.clone()), &mesh, camera, Options::default()).err().unwrap();
@@ -146,7 +146,7 @@ fn nodes_with_too_few_quadrature_points_are_named() {
     let Error::Solve(SolveError::Singular { nodes, points: 1, unknowns: 8 }) = &error else {
         unreachable!("{error:?}");
     };
-    // No node in more than half of the directions at best.
+    // At most half of the unknowns can be determined.
     assert!(nodes.len() >= 47 / 2 && nodes.iter().all(|&n| n < 36) && nodes.is_sorted(), "{nodes:?}");
     let text = error.to_string();
     assert!(
@@ -160,7 +160,7 @@ fn nodes_with_too_few_quadrature_points_are_named() {
         ),
         "{text}"
     );
-    // Smoothing determines them.
+    // Regularization determines them.
     let options = Options::default().quadrature(quadrature).regularization_length(Some(20.0));
     assert!(prepare(&reference, &mesh, options).is_ok());
 }
@@ -170,14 +170,14 @@ fn nodes_without_texture_are_named_by_mesh_node_number() {
     let [reference, _] = images();
     let greys = reference.pixels().iter().enumerate().map(|(k, &grey)| if k % 90 > 50 { 100.0 } else { grey });
     let half = Image::new(90, 80, greys.collect()).unwrap();
-    // Columns of nodes at 15, 25, ... 75: those from 65 on see nothing but the flat side. Three unused nodes come first.
+    // Columns of nodes at 15, 25, ... 75: those from 65 on lie in the flat part. Three unused nodes come first.
     let mesh = quads([15.0, 15.0, 75.0, 65.0], 10.0);
     let points: Vec<[f64; 3]> = [[-1e9; 3]; 3].iter().chain(mesh.points()).copied().collect();
     let cells = mesh.cells().flat_map(|cell| cell.nodes.iter().map(|&n| i64::from(n) + 3)).collect();
     let shifted = Mesh::new(points, &[(CellType::Quad, cells)]).unwrap();
     let flat_nodes: Vec<usize> = (0..shifted.num_nodes()).filter(|&node| shifted.points()[node][0] >= 65.0).collect();
     assert_eq!(flat_nodes.len(), 12);
-    // Splines ripple into the flat side.
+    // The spline interpolant oscillates in the flat part near its edge.
     for interpolation in [Interpolation::Bilinear, Interpolation::Bspline3] {
         let options = Options::default().interpolation(interpolation);
         match refused(prepare(&half, &shifted, options)) {
@@ -208,7 +208,7 @@ fn a_start_of_the_wrong_length_or_not_finite_is_refused() {
 fn unused_nodes_are_nan_and_do_not_change_the_solution() {
     let [reference, deformed] = images();
     let mesh = mixed_mesh([20.0, 20.0], 2, 20.0);
-    // A node before each of the mesh's own, far away.
+    // An unused node far away before each node of the mesh.
     let points = mesh.points().iter().flat_map(|&point| [[1e6, -1e6, 3.0], point]).collect();
     let renumbered = |cell_type| {
         let nodes = mesh.cells().filter(|c| c.cell_type == cell_type).flat_map(|c| c.nodes);
@@ -227,12 +227,12 @@ fn unused_nodes_are_nan_and_do_not_change_the_solution() {
     assert_eq!(used, compact.displacement);
     assert_eq!(with_unused.history, compact.history);
 
-    // Its own result, NaN included, is a valid start.
+    // The result, NaN included, is a valid start.
     let again = solve(&sparse, Start::Field(&with_unused.displacement));
     assert!(again.converged && again.iterations == 1);
 }
 
-/// Stops after a number of questions, and counts the iterations it is told of.
+/// A monitor that cancels after a number of calls and counts the reported iterations.
 struct Impatient {
     questions: AtomicUsize,
     patience: usize,
@@ -267,7 +267,7 @@ fn a_monitor_cancels_every_stage() {
         let monitor = Impatient::new(patience);
         assert_eq!(refused(prepare(&monitor)), Error::Cancelled);
         assert_eq!(monitor.steps.into_inner(), 0);
-        // Not asked once more than there are cells: nothing after it was started.
+        // No more calls than cells: no later stage was started.
         assert!(monitor.questions.into_inner() <= cells);
     }
     assert_eq!(Error::Cancelled.to_string(), "the correlation was cancelled");
@@ -275,14 +275,14 @@ fn a_monitor_cancels_every_stage() {
     let patient = Impatient::new(usize::MAX);
     let correlator = prepare(&patient).unwrap();
     assert_eq!((patient.steps.into_inner(), patient.questions.into_inner()), (1, cells));
-    // Every cell once for the first guess of the brightness: they are few.
+    // Every cell once for the initial brightness correction.
     for (patience, steps) in [(0, 0), (cells, 0), (2 * cells - 1, 0), (2 * cells, 1), (3 * cells + 7, 2)] {
         let monitor = Impatient::new(patience);
         let result = correlator.correlate_with(deformed.view(), Start::Zero, &monitor);
         assert_eq!(result, Err(Error::Cancelled));
         assert_eq!(monitor.steps.into_inner(), steps, "after {patience} questions");
     }
-    // While the noise is gathered, and between the solutions.
+    // During the assembly of the covariance and between the solutions.
     for patience in [0, cells - 1, cells, cells + 2] {
         let monitor = Impatient::new(patience);
         let result = correlator.standard_deviations_with(1.0, &monitor);
@@ -290,6 +290,6 @@ fn a_monitor_cancels_every_stage() {
     }
     let monitor = Impatient::new(3);
     assert_eq!(correlator.correlate_with(deformed.view(), Start::Pyramid, &monitor), Err(Error::Cancelled));
-    // What was cancelled while it was built is built anew.
+    // A pyramid cancelled while it was built is built again.
     assert!(correlator.correlate(deformed.view(), Start::Pyramid).unwrap().converged);
 }

@@ -1,4 +1,4 @@
-//! Patch tests: displacements that every cell can represent are found, whatever the cell, the quadrature and the camera.
+//! Patch tests: affine displacements are measured exactly with every cell type, quadrature rule and camera.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -23,7 +23,7 @@ const QUADRATURES: [Quadrature; 4] = [
 const MOST_ITERATIONS: usize = 7;
 
 fn options(quadrature: Quadrature) -> Options {
-    // No smoothing: the filter of the deformed image would not stretch with the material.
+    // No smoothing: the filter of the deformed image does not deform with the material.
     Options::default().quadrature(quadrature).smoothing(0.0).tolerance(1e-5)
 }
 
@@ -31,14 +31,14 @@ fn measure(images: &[Image; 2], mesh: &Mesh, camera: &Arc<dyn Camera>, options: 
     let correlator = Correlator::new(Arc::new(images[0].clone()), mesh, Arc::clone(camera), options).unwrap();
     let solution = correlator.correlate(images[1].view(), Start::Zero).unwrap();
     assert!(solution.converged, "{:?}", solution.history);
-    // A wrong gradient would still lead there, but slowly.
+    // A wrong gradient would converge too, but slowly.
     assert!(solution.iterations <= MOST_ITERATIONS, "{:?}", solution.history);
     assert!(solution.outside_cells.is_empty());
     solution
 }
 
-/// Largest nodal error accepted, in pixels: about twice what is measured over the quadratures. It is that of the
-/// interpolation, largest at nodes on the boundary, which the fewest points determine.
+/// Accepted nodal error in pixels, about twice the measured one. It comes from the interpolation and is largest at
+/// nodes on the boundary, which the fewest points determine.
 fn accepted(cell: CellType) -> f64 {
     match cell {
         CellType::Quad => 2e-3,
@@ -83,7 +83,7 @@ fn a_uniform_strain_is_measured() {
 
 const PIXELS_PER_MILLIMETRE: f64 = 10.0;
 
-/// A motion of a plane measured in millimetres about its origin.
+/// A motion in millimetres about the origin, and a speckle.
 fn millimetres() -> (Motion, Speckle) {
     let gradient = [[1.006, 0.003], [-0.004, 0.995]];
     (Motion { gradient, shift: [0.025, -0.018], centre: [0.0, 0.0] }, Speckle::new(0.55, 0.5, 5).unwrap())

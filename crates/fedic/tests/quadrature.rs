@@ -1,4 +1,4 @@
-//! The quadrature points of a prepared correlation: where they lie and what they weigh.
+//! Positions and weights of the quadrature points.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -37,7 +37,7 @@ fn quadrature_weights_sum_to_the_area() {
                 let mut areas = vec![0.0; mesh.num_cells()];
                 weights.iter().zip(cells).for_each(|(weight, cell)| areas[cell] += weight);
                 for (area, exact) in areas.iter().zip(cell_areas(&mesh)) {
-                    // Exact but for the rounding of the weights to single precision where edges are straight.
+                    // Exact up to the rounding of the weights to single precision where edges are straight.
                     let accepted = if cell.num_nodes() == cell.num_corners() { 1e-6 } else { 1e-3 };
                     assert!((area - exact).abs() < accepted * exact, "{cell} {rule:?}: {area} {exact}");
                 }
@@ -58,11 +58,11 @@ fn pixel_quadrature_contains_every_pixel_once() {
         let mut seen = HashSet::new();
         for [u, v, _] in points {
             let pixel = [u.round(), v.round()];
-            // Reference coordinates are kept in single precision.
+            // Reference coordinates are stored in single precision.
             assert!((u - pixel[0]).abs().max((v - pixel[1]).abs()) < 1e-5, "{cell}: ({u}, {v})");
             assert!(seen.insert(pixel.map(|c| c as i32)), "{cell}: pixel {pixel:?} twice");
         }
-        // The warp leaves the middle of the mesh inside, and lets its outline move by less than its amplitude.
+        // The outline moves by less than the amplitude of the warp.
         for (u, v) in (15..=85).flat_map(|u| (14..=75).map(move |v| (u, v))) {
             assert!(seen.contains(&[u, v]), "{cell}: pixel ({u}, {v}) left out");
         }

@@ -1,4 +1,4 @@
-//! A camera found on the specimen: right, the same on any number of threads, and refused where the images don't tell.
+//! Calibration on the specimen: accuracy, independence of the number of threads, undetermined parameters.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -19,7 +19,7 @@ fn camera(k1: f64, centre: [f64; 2]) -> Pinhole {
     camera.with_distortion(BrownDistortion::new([k1, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap())
 }
 
-/// The specimen moved, not rounded.
+/// Image of the specimen after a motion, not rounded.
 fn image([x, y]: [f64; 2]) -> Image {
     let (camera, speckle) = (camera(K1, CENTRE), Speckle::new(6.0, 0.5, 8).unwrap());
     let pixels = (0..160 * 120).map(|k| unproject(&camera, [(k % 160) as f64, (k / 160) as f64], 0.0).unwrap());
@@ -73,7 +73,7 @@ fn known_translations_determine_the_scale() {
     let parameters = [Parameter::Fx, Parameter::Tz];
     let found = calibrate_on_specimen(&views, &mesh(), &start, &parameters, &MOTIONS, &options, &()).unwrap();
     assert!(found.converged);
-    // fy and the scale fy / tz are right from the start and after: so are fx and tz.
+    // fy and the scale fy / tz are correct at the start and stay so: hence fx and tz too.
     assert!((found.camera.focal()[0] - 300.0).abs() < 0.1, "{:?}", found.camera);
     assert!((found.camera.translation()[2] - 300.0).abs() < 0.1, "{:?}", found.camera);
     assert_eq!(found.motion_deviations[0][..2], [0.0; 2]);

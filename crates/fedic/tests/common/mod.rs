@@ -33,7 +33,7 @@ impl Motion {
     }
 }
 
-/// What the camera sees of a speckled plane before and after a motion, in grey levels from 35 to 215, not rounded.
+/// Images of a speckled plane before and after a motion, in grey levels from 35 to 215, not rounded.
 pub(crate) fn render(camera: &dyn Camera, [width, height]: [usize; 2], speckle: Speckle, motion: Motion) -> [Image; 2] {
     let image = |origin: &dyn Fn([f64; 2]) -> [f64; 2]| {
         let pixels = (0..width * height).map(|k| [(k % width) as f64, (k / width) as f64]);
@@ -46,7 +46,7 @@ pub(crate) fn render(camera: &dyn Camera, [width, height]: [usize; 2], speckle: 
     [image(&|point| point), image(&|point| motion.origin(point))]
 }
 
-/// A rectangle whose inner nodes are moved by up to `warp` along smooth waves: no cell is like the next, edges of quadratic
+/// A rectangle whose nodes are moved by up to `warp` along smooth waves, so that all cells differ and edges of quadratic
 /// cells are curved.
 pub(crate) fn warped_mesh(bounds: [f64; 4], size: f64, cell: CellType, warp: f64) -> Mesh {
     let mesh = rectangle_mesh(bounds, size, cell).unwrap();
