@@ -1,8 +1,9 @@
 //! Gaussian smoothing.
 
+use rayon::prelude::*;
+
 use crate::error::ImageError;
-use crate::filter::bands::filter_image;
-use crate::filter::line::LineFilter;
+use crate::filter::rows::RowFilter;
 use crate::image::Image;
 use crate::view::ImageView;
 
@@ -20,7 +21,9 @@ const TRUNCATE: f64 = 4.0;
 pub fn gaussian_filter(view: ImageView<'_>, smoothing: f64) -> Result<Image, ImageError> {
     let weights = gaussian_weights(view, smoothing)?;
     let mut data = vec![0.0; view.width() * view.height()];
-    filter_image(view, &LineFilter { weights: &weights, poles: &[] }, &mut data, 0);
+    data.par_chunks_mut(view.width())
+        .enumerate()
+        .for_each_init(|| RowFilter::new(view, &weights), |filter, (v, row)| filter.filter_row(v, row));
     Ok(Image::new_unchecked(view.width(), view.height(), data))
 }
 

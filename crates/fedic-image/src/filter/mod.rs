@@ -7,3 +7,4 @@ pub(crate) mod line;
 pub(crate) mod mirror;
 pub(crate) mod prefilter;
 pub(crate) mod pyramid;
+mod rows;
