@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = [
     "CELL_TYPES",
     "CORRELATION_OPTIONS",
+    "INTERPOLATIONS",
     "SPECIMEN_OPTIONS",
     "BrownDistortion",
     "CellType",
@@ -27,15 +28,16 @@ __all__ = [
     "Speckle",
     "SplineDistortion",
     "__version__",
-    "aperture_points",
     "calibrate_on_specimen",
     "check_correlation_options",
     "interpolate_image",
     "rectangle_mesh",
+    "render_plane",
     "spline_basis",
 ]
 
 __version__: str
+INTERPOLATIONS: tuple[str, ...]
 
 _Image = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
 
@@ -210,10 +212,6 @@ class Pinhole:
 
 _Camera = ImageFrame | FrontParallel | Pinhole
 
-def aperture_points(
-    camera: _Camera, rows: tuple[int, int], width: int, supersampling: int, z: float = 0.0
-) -> NDArray[np.float64]: ...
-
 @final
 class OptionInfo:
     @property
@@ -331,10 +329,20 @@ class Speckle:
     def seed(self) -> int: ...
     def values(self, points: ArrayLike) -> NDArray[np.float64]: ...
 
+def render_plane(
+    texture: Speckle,
+    camera: _Camera,
+    shape: tuple[int, int],
+    displacement: Callable[[NDArray[np.float64]], ArrayLike] | None = None,
+    z: float = 0.0,
+    supersampling: int = 3,
+    progress: Callable[[float], object] | None = None,
+) -> NDArray[np.float64]: ...
 def interpolate_image(
     image: _Image,
     pixels: ArrayLike,
-    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"] = "bspline3",
+    interpolation: Literal["bilinear", "bicubic", "bspline3", "bspline5"],
+    *,
     smoothing: float = 0.0,
     gradient: Literal["analytic", "finite-difference"] = "analytic",
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...

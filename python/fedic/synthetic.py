@@ -1,4 +1,4 @@
-"""Synthetic images of a textured plane seen by a camera, at rest or displaced, and known changes of real images."""
+"""Synthetic images of a textured plane with known displacement; noise and translation of given images."""
 
 import math
 from collections.abc import Callable
@@ -7,9 +7,9 @@ from typing import Literal, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import Speckle, aperture_points
+from fedic._core import Speckle, render_plane
 from fedic._internal.types import Camera, Floats, Image
-from fedic.errors import ImageError
+from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
 from fedic.progress import ProgressCallback, fraction_callback
 
@@ -17,10 +17,7 @@ __all__ = ["Speckle", "add_noise", "fourier_shift", "render"]
 
 Displacement: TypeAlias = tuple[float, float] | Callable[[Floats], Floats]
 
-_POINTS_PER_CHUNK = 500_000
 _DEPTHS = (8, 12, 16)
-_INVERSION_STEPS = 60
-_INVERSION_TOLERANCE = 1e-10
 
 
 def render(
@@ -40,11 +37,11 @@ def render(
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """Render a textured plane as a camera sees it.
 
-    Each pixel is the mean of the texture over its square aperture, sampled at ``supersampling`` squared points. Its
-    centre is brought back to the plane through the camera, lens included (Pierré et al., Sect. 5.2), and the samples
-    around it through the inverse Jacobian of the projection there. Their error is of the second order in the size of
-    the pixel: 2e-7 px with the lens of ``fedic demo``, 1e-4 px with ``k1 = -0.2`` and a focal length of 1400 px in an
-    image as wide.
+    Each pixel is the mean of the texture over its square aperture, sampled at ``supersampling`` squared points. The
+    centre of the pixel is unprojected to the plane, lens included (Pierré et al., Sect. 5.2), and the samples around
+    it through the inverse Jacobian of the projection there. Their error is of the second order in the size of the
+    pixel: 2e-7 px with the lens of ``fedic demo``, 1e-4 px with ``k1 = -0.2`` and a focal length of 1400 px in an image
+    of that width.
 
     Parameters
     ----------
@@ -55,8 +52,9 @@ def render(
     shape : (int, int)
         Height and width of the image in pixels.
     displacement : (float, float) or callable, optional
-        How the material moved, in the world's unit: the point ``X`` is now at ``X + U``. One vector for all, or a
-        function that takes material points (n, 2) and returns their displacement (n, 2), of gradient below 1.
+        Displacement ``U`` of the material, in the world's unit: the point ``X`` has moved to ``X + U``. One vector for
+        all points, or a function of material points (n, 2) that returns their displacement (n, 2), with a gradient well
+        below 1.
     z : float
         Height of the plane in the world.
     supersampling : int
@@ -79,27 +77,19 @@ def render(
 
     Raises
     ------
-    ImageError
+    OptionError
         If an option is out of its range, or the displacement cannot be inverted.
     CameraError
-        If some pixel sees no point of the plane.
+        If a pixel sees no point of the plane.
     """
-    height, width = shape
-    if height < 1 or width < 1 or supersampling < 1 or bits not in _DEPTHS:
-        raise ImageError(
-            f"render: shape={shape}, supersampling={supersampling}, bits={bits}; the sizes must be at least 1 and bits "
-            "one of 8, 12 and 16."
-        )
+    for option, value in (("shape", min(shape)), ("supersampling", supersampling)):
+        if value < 1:
+            raise OptionError(f"render: {option}={value}; it must be at least 1.", option)
+    if bits not in _DEPTHS:
+        raise OptionError(f"render: bits={bits}; give 8, 12 or 16.", "bits")
     _check_noise("render", noise, shot_noise)
-    rows_per_chunk = max(1, _POINTS_PER_CHUNK // (width * supersampling**2))
-    grey = np.empty(shape)
     report = fraction_callback(progress, "render")
-    for first in range(0, height, rows_per_chunk):
-        last = min(first + rows_per_chunk, height)
-        positions = aperture_points(camera, (first, last), width, supersampling, z)
-        values = texture.values(_material_points(positions.reshape(-1, 2), displacement))
-        grey[first:last] = values.reshape(last - first, width, -1).mean(axis=2)
-        report(last / height)
+    grey = render_plane(texture, camera, shape, _as_function(displacement), z, supersampling, report)
     dark, bright = levels
     grey = (2**bits - 1) * (dark + (bright - dark) * grey)
     return add_noise(grey, noise=noise, shot_noise=shot_noise, seed=seed, bits=bits)
@@ -148,10 +138,12 @@ def add_noise(
     Raises
     ------
     ImageError
-        If the image is no image, or an option is out of its range.
+        If the image cannot be used.
+    OptionError
+        If an option is out of its range.
     """
     if bits is not None and bits not in _DEPTHS:
-        raise ImageError(f"add_noise: bits={bits}; give 8, 12, 16 or None.")
+        raise OptionError(f"add_noise: bits={bits}; give 8, 12, 16 or None.", "bits")
     _check_noise("add_noise", noise, shot_noise)
     grey = _grey_levels(image)
     if noise > 0.0 or shot_noise > 0.0:
@@ -166,9 +158,9 @@ def add_noise(
 def fourier_shift(image: Image | Floats, shift: tuple[float, float]) -> NDArray[np.float32]:
     """Translate an image by any fraction of a pixel, by the shift theorem.
 
-    What was seen at ``(u, v)`` is seen at ``(u + du, v + dv)``, no frequency weakened. The image is continued by its
-    mirror, so that opposite borders that differ do not ring; what enters at a border is that mirror and not what a
-    camera would see there.
+    The point at ``(u, v)`` moves to ``(u + du, v + dv)``, and no frequency is attenuated. The image is continued by
+    reflection, so that opposite borders of different grey levels cause no ringing; a reflection enters at the borders,
+    not the image that a camera would see there.
 
     Parameters
     ----------
@@ -185,16 +177,18 @@ def fourier_shift(image: Image | Floats, shift: tuple[float, float]) -> NDArray[
     Raises
     ------
     ImageError
-        If the image is no image, or the shift not a pair of finite numbers.
+        If the image cannot be used.
+    OptionError
+        If the shift is not a pair of finite numbers.
     """
     distances = np.asarray(shift, dtype=np.float64)
     if distances.shape != (2,) or not np.isfinite(distances).all():
-        raise ImageError(f"fourier_shift: shift={shift}; give a pair (du, dv) of finite numbers of pixels.")
+        raise OptionError(f"fourier_shift: shift={shift}; give a pair (du, dv) of finite numbers of pixels.", "shift")
     shifted = _grey_levels(image)
     for axis, distance in ((1, distances[0]), (0, distances[1])):
         length = shifted.shape[axis]
         spectrum = np.fft.rfft(np.concatenate([shifted, np.flip(shifted, axis)], axis), axis=axis)
-        # The last is the frequency of half a period per pixel, where the mirror leaves nothing: the image stays real.
+        # At the last frequency, half a period per pixel, the spectrum of a reflected image is zero: the image stays real.
         phase = np.exp(-1j * np.pi * distance * np.arange(length + 1) / length)
         spectrum *= phase if axis == 1 else phase[:, np.newaxis]
         shifted = np.take(np.fft.irfft(spectrum, 2 * length, axis=axis), range(length), axis=axis)
@@ -202,8 +196,9 @@ def fourier_shift(image: Image | Floats, shift: tuple[float, float]) -> NDArray[
 
 
 def _check_noise(caller: str, noise: float, shot_noise: float) -> None:
-    if not (0.0 <= noise < math.inf and 0.0 <= shot_noise < math.inf):
-        raise ImageError(f"{caller}: noise={noise} and shot_noise={shot_noise}; give finite numbers of at least 0.")
+    for option, value in (("noise", noise), ("shot_noise", shot_noise)):
+        if not 0.0 <= value < math.inf:
+            raise OptionError(f"{caller}: {option}={value}; give a finite number of at least 0.", option)
 
 
 def _grey_levels(image: object) -> Floats:
@@ -214,22 +209,11 @@ def _grey_levels(image: object) -> Floats:
     return grey
 
 
-def _material_points(positions: Floats, displacement: Displacement | None) -> Floats:
-    """Return the points ``X`` of the material now at `positions`: ``X + U(X) = positions``."""
-    if displacement is None:
-        return positions
-    if not callable(displacement):
-        return positions - np.asarray(displacement, dtype=np.float64)
-    tolerance = _INVERSION_TOLERANCE * max(float(np.ptp(positions, axis=0).max()), np.finfo(float).tiny)
-    points = positions
-    for _ in range(_INVERSION_STEPS):
-        moved = np.asarray(displacement(points), dtype=np.float64)
-        if moved.shape != points.shape:
-            raise ImageError(f"render: the displacement of points {points.shape} has shape {moved.shape}; give (n, 2).")
-        previous, points = points, positions - moved
-        if float(np.abs(points - previous).max()) <= tolerance:
-            return points
-    raise ImageError(
-        f"render: the displacement could not be inverted in {_INVERSION_STEPS} fixed-point steps; "
-        "its gradient must stay well below 1."
-    )
+def _as_function(displacement: Displacement | None) -> Callable[[Floats], Floats] | None:
+    if displacement is None or callable(displacement):
+        return displacement
+    vector = np.asarray(displacement, dtype=np.float64)
+    if vector.shape != (2,):
+        message = f"render: displacement={displacement}; give a pair of numbers, or a function."
+        raise OptionError(message, "displacement")
+    return lambda points: np.broadcast_to(vector, points.shape)

@@ -1,10 +1,13 @@
 """Interpolation, gradients and smoothing against SciPy and NumPy."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from scipy import ndimage
 
-from fedic._core import interpolate_image
+from fedic._core import INTERPOLATIONS, interpolate_image
+from fedic._internal.option_choices import Interpolation
 
 
 @pytest.fixture(scope="module")
@@ -21,6 +24,17 @@ def pixels() -> np.ndarray:
 
 def scipy_values(image: np.ndarray, pixels: np.ndarray, order: int) -> np.ndarray:
     return ndimage.map_coordinates(image.astype(float), pixels.T[::-1], order=order, mode="mirror")
+
+
+def test_the_types_name_every_interpolation() -> None:
+    assert get_args(Interpolation) == INTERPOLATIONS
+
+
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+def test_grey_levels_of_the_pixels_are_reproduced(image: np.ndarray, interpolation: str) -> None:
+    v, u = np.mgrid[: image.shape[0], : image.shape[1]]
+    values, _ = interpolate_image(image, np.stack([u.ravel(), v.ravel()], axis=1), interpolation)
+    np.testing.assert_allclose(values, image.ravel(), rtol=0, atol=1e-3)
 
 
 @pytest.mark.parametrize(("interpolation", "order"), [("bilinear", 1), ("bspline3", 3), ("bspline5", 5)])
@@ -95,7 +109,9 @@ def test_smoothing_agrees_with_the_gaussian_filter_of_scipy(
     np.testing.assert_allclose(values, scipy_values(smooth, pixels, 3), rtol=0, atol=1e-3)
 
 
-def test_points_beyond_half_a_pixel_outside_are_nan(image: np.ndarray) -> None:
-    values, gradients = interpolate_image(image, [[-0.5, 60.5], [-0.51, 3], [3, 60.51], [np.nan, 3], [82.5, -0.5]])
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+def test_points_beyond_half_a_pixel_outside_are_nan(image: np.ndarray, interpolation: str) -> None:
+    points = [[-0.5, 60.5], [-0.51, 3], [3, 60.51], [np.nan, 3], [82.5, -0.5]]
+    values, gradients = interpolate_image(image, points, interpolation)
     np.testing.assert_array_equal(np.isnan(values), [False, True, True, True, False])
     np.testing.assert_array_equal(np.isnan(gradients).all(1), np.isnan(values))

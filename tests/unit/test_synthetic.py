@@ -1,5 +1,6 @@
 """Synthetic images against their texture; noise and Fourier shifts against their definition."""
 
+import threading
 from collections.abc import Callable
 
 import numpy as np
@@ -7,9 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
-from fedic._core import aperture_points
 from fedic.demo.scene import FOCAL, MILLIMETRES, Scene
-from fedic.synthetic import Speckle, add_noise, fourier_shift, render
+from fedic.synthetic import Displacement, Speckle, add_noise, fourier_shift, render
 
 Floats = NDArray[np.float64]
 
@@ -41,46 +41,13 @@ def sample_pixels(rows: tuple[int, int], width: int, supersampling: int) -> Floa
     return np.stack([u + du, v + dv], axis=-1).reshape(-1, 2)
 
 
-def aperture_error(camera: fedic.Pinhole, rows: tuple[int, int], width: int, supersampling: int) -> float:
-    """Return the largest distance in pixels between the samples of an aperture and their projection."""
-    points = aperture_points(camera, rows, width, supersampling).reshape(-1, 2)
-    return float(np.abs(camera.project(points) - sample_pixels(rows, width, supersampling)).max())
-
-
-def test_aperture_points_project_into_the_pixel_through_a_lens() -> None:
-    # The first rows contain the corners, where the distortion is largest.
-    assert aperture_error(DEMO_CAMERA, (0, 4), 1388, 3) < 3e-7
-    wide = pinhole(1400.0, (700.0, 500.0), -0.2)
-    assert aperture_error(wide, (0, 4), 1400, 3) < 1e-4
-    assert aperture_error(pinhole(1400.0, (700.0, 500.0), 0.0, tilt=0.5), (0, 4), 1400, 3) < 1e-4
-    assert aperture_error(wide, (0, 4), 1400, 1) < 1e-10
-
-
-def test_the_error_of_the_aperture_is_of_second_order() -> None:
-    errors = [
-        aperture_error(pinhole(focal, (0.7 * focal, 0.5 * focal), -0.2), (0, 1), 3, 3) for focal in (500.0, 2000.0)
-    ]
-    # The pixel is a quarter of the size; the error is in pixels.
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
-
-
-@pytest.mark.parametrize("name", ["frame", "front"])
-def test_the_aperture_of_a_flat_camera_is_exact(name: str) -> None:
-    camera = CAMERAS[name]
-    points = aperture_points(camera, (5, 9), 7, 3, 0.5)
-    assert points.shape == (4 * 7, 9, 2)
-    expected = camera.unproject(sample_pixels((5, 9), 7, 3), 0.5)[:, :2]
-    np.testing.assert_allclose(points.reshape(-1, 2), expected, rtol=0, atol=1e-13)
-
-
 def test_pixels_without_a_point_on_the_plane_are_refused() -> None:
     folded = pinhole(1000.0, (500.0, 500.0), -1.0)
-    with pytest.raises(fedic.CameraError, match=r"pixels cannot be taken back to the plane Z = 0, .* at \(0, 0\)"):
-        aperture_points(folded, (0, 10), 1000, 3)
-    with pytest.raises(fedic.CameraError, match="cannot be taken back"):
+    message = r"pixels in rows 0 to 54 see no point of the plane, the first at \(u = 0, v = 0\)"
+    with pytest.raises(fedic.CameraError, match=message):
         render(Speckle(3.0), folded, (1000, 1000))
-    with pytest.raises(fedic.CameraError, match="do not fit in memory"):
-        aperture_points(folded, (0, 4_000_000_000), 4_000_000_000, 4_000_000)
+    with pytest.raises(fedic.OptionError, match="do not fit in memory"):
+        render(Speckle(3.0), folded, (10, 4_000_000_000), supersampling=4_000_000)
 
 
 @pytest.mark.parametrize("name", list(CAMERAS))
@@ -107,7 +74,7 @@ def test_a_displaced_image_samples_the_texture_at_inverted_positions(name: str) 
     pixel = 1.0 if name == "frame" else MILLIMETRES
     texture, displacement = Speckle(5.5 * pixel, seed=2), waves(2.0 * pixel, 60.0 * pixel)
     positions = camera.unproject(sample_pixels((0, 40), 50, 3))[:, :2]
-    # Newton's method with a Jacobian by differences, where render iterates on X = Y - U(X).
+    # Newton's method with a Jacobian by differences; render iterates on X = Y - U(X).
     points, step = positions.copy(), 1e-6 * pixel
     for _ in range(8):
         slopes = [(displacement(points + h) - displacement(points - h)) / (2.0 * step) for h in step * np.eye(2)]
@@ -120,9 +87,44 @@ def test_a_displaced_image_samples_the_texture_at_inverted_positions(name: str) 
     np.testing.assert_allclose(image, 65535 * expected, rtol=0, atol=0.51)
 
 
-def test_a_displacement_of_the_wrong_shape_is_refused() -> None:
-    with pytest.raises(fedic.ImageError, match=r"has shape \(2,\)"):
-        render(Speckle(5.0), fedic.ImageFrame(), (20, 20), displacement=lambda points: np.zeros(2))
+@pytest.mark.parametrize(
+    ("displacement", "words"),
+    [
+        (lambda points: np.zeros(2), r"must be a 2-dimensional array of real numbers, got an array of shape \[2\]"),
+        (lambda points: np.zeros((3, 2)), r"displacement of points \(3600, 2\) must have that shape, got \(3, 2\)"),
+        (lambda points: np.zeros((3600, 3)), r"displacement must have shape \(n, 2\), got \[3600, 3\]"),
+        ((1.0, 2.0, 3.0), "give a pair of numbers"),
+        (lambda points: 3.0 * points, "could not be inverted in 60 fixed-point iterations"),
+        (lambda points: np.full_like(points, np.nan), "could not be inverted"),
+    ],
+)
+def test_bad_displacements_are_refused(displacement: Displacement, words: str) -> None:
+    with pytest.raises(fedic.OptionError, match=words):
+        render(Speckle(5.0), fedic.ImageFrame(), (20, 20), displacement=displacement)
+
+
+def test_exceptions_of_the_displacement_and_of_progress_are_raised() -> None:
+    def fail(argument: object) -> Floats:
+        raise LookupError("on purpose")
+
+    with pytest.raises(LookupError, match="on purpose"):
+        render(Speckle(5.0), fedic.ImageFrame(), (20, 20), displacement=fail)
+    with pytest.raises(LookupError, match="on purpose"):
+        render(Speckle(5.0), fedic.ImageFrame(), (20, 20), progress=fail)
+
+
+def test_functions_of_the_caller_run_on_its_thread() -> None:
+    threads: set[int] = set()
+
+    def note(argument: object) -> None:
+        threads.add(threading.get_ident())
+
+    def displacement(points: Floats) -> Floats:
+        note(points)
+        return np.zeros_like(points)
+
+    render(Speckle(5.0), fedic.ImageFrame(), (20, 20), displacement=displacement, progress=note)
+    assert threads == {threading.get_ident()}
 
 
 def test_texture_values_do_not_depend_on_the_batch_size() -> None:
@@ -200,9 +202,9 @@ def test_render_adds_the_noise_of_add_noise() -> None:
     ],
 )
 def test_bad_noise_options_are_refused(options: dict[str, float], words: str) -> None:
-    with pytest.raises(fedic.ImageError, match=f"add_noise: .*{words}"):
+    with pytest.raises(fedic.OptionError, match=f"add_noise: .*{words}"):
         add_noise(np.zeros((4, 4)), **options)  # type: ignore[call-overload]
-    with pytest.raises(fedic.ImageError, match=f"render: .*{words}"):
+    with pytest.raises(fedic.OptionError, match=f"render: .*{words}"):
         render(Speckle(5.0), fedic.ImageFrame(), (4, 4), **options)  # type: ignore[arg-type]
 
 
@@ -260,5 +262,5 @@ def test_bad_images_are_refused_by_shift_and_noise(image: NDArray[np.float64]) -
 
 @pytest.mark.parametrize("shift", [(1.0,), (0.0, np.inf), (1.0, 2.0, 3.0)])
 def test_bad_shifts_are_refused(shift: tuple[float, float]) -> None:
-    with pytest.raises(fedic.ImageError, match=r"give a pair \(du, dv\)"):
+    with pytest.raises(fedic.OptionError, match=r"give a pair \(du, dv\)"):
         fourier_shift(np.zeros((4, 4)), shift)

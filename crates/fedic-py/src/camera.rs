@@ -1,10 +1,9 @@
 //! Cameras.
 
 use std::f64::consts::FRAC_PI_2;
-use std::num::NonZeroU32;
 use std::sync::Arc;
 
-use fedic::{Camera, CameraError, rotation_from_vector, unproject, unproject_aperture};
+use fedic::{Camera, CameraError, rotation_from_vector, unproject};
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -69,7 +68,11 @@ fn unproject_pixels<'py>(
     let failed = points.iter().filter(|point| point.is_none()).count();
     if let Some(first) = points.iter().position(Option::is_none) {
         let [u, v] = pixels[first];
-        return Err(unseen(failed, pixels.len(), &format!("number {first} at ({u}, {v})"), z));
+        return Err(camera_error(format!(
+            "{failed} of {} pixels cannot be taken back to the plane Z = {z}, the first of them number {first} at \
+             ({u}, {v}): the camera or its lens model does not reach there",
+            pixels.len()
+        )));
     }
     let points: Vec<[f64; 3]> = points.into_iter().flatten().collect();
     warn_of_extrapolation(py, camera, &points)?;
@@ -97,77 +100,6 @@ fn warn_of_extrapolation(py: Python<'_>, camera: &dyn Camera, points: &[[f64; 3]
         "some points lie outside the domain the lens was calibrated in, where it is extrapolated: camera.covers(points) \
          tells which",
     )
-}
-
-fn unseen(failed: usize, num_pixels: usize, first: &str, z: f64) -> PyErr {
-    camera_error(format!(
-        "{failed} of {num_pixels} pixels cannot be taken back to the plane Z = {z}, the first of them {first}: the camera \
-         or its lens model does not reach there"
-    ))
-}
-
-/// Points of the plane ``Z = z`` seen over the square apertures of the pixels in some rows of an image.
-///
-/// The centre of a pixel is unprojected; the samples of its aperture follow through the inverse Jacobian of the projection
-/// there, with an error of the second order in the size of the pixel.
-///
-/// Parameters
-/// ----------
-/// camera : ImageFrame, FrontParallel or Pinhole
-/// rows : (first, end)
-///     The rows ``first`` to ``end - 1``.
-/// width : int
-///     Pixels per row.
-/// supersampling : int
-///     Samples per pixel in each direction.
-/// z : float
-///     The plane.
-///
-/// Returns
-/// -------
-/// (pixels, supersampling**2, 2) float64
-///     ``(X, Y)`` of the samples, both pixels and samples row by row.
-///
-/// Raises
-/// ------
-/// CameraError
-///     If a pixel cannot be taken back to the plane, or the samples do not fit in memory.
-#[pyfunction]
-#[pyo3(signature = (camera, rows, width, supersampling, z=0.0))]
-pub(crate) fn aperture_points<'py>(
-    py: Python<'py>,
-    camera: &Bound<'py, PyAny>,
-    rows: (u32, u32),
-    width: u32,
-    supersampling: NonZeroU32,
-    z: f64,
-) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let camera = any_camera(camera)?;
-    let num_pixels = rows.1.saturating_sub(rows.0) as usize * width as usize;
-    let samples = (supersampling.get() as usize).saturating_pow(2);
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    points.try_reserve_exact(num_pixels.saturating_mul(samples)).map_err(|_| {
-        camera_error(format!("{num_pixels} pixels of {samples} samples each do not fit in memory: supersample less"))
-    })?;
-    let pixel = |k: usize| [(k % width as usize) as f64, (rows.0 as usize + k / width as usize) as f64];
-    let failed: Vec<usize> = run(py, None, |_| {
-        points.resize(num_pixels * samples, [f64::NAN; 2]);
-        let apertures = points.par_chunks_exact_mut(samples).with_min_len(GRAIN).enumerate();
-        Ok(apertures
-            .filter_map(|(k, points)| {
-                let Some(found) = unproject_aperture(&*camera, pixel(k), z, supersampling.get()) else {
-                    return Some(k);
-                };
-                points.iter_mut().zip(found).for_each(|(point, found)| *point = found);
-                None
-            })
-            .collect())
-    })?;
-    if let Some(&first) = failed.first() {
-        let [u, v] = pixel(first);
-        return Err(unseen(failed.len(), num_pixels, &format!("at ({u}, {v})"), z));
-    }
-    PyArray1::from_vec(py, points.into_flattened()).reshape([num_pixels, samples, 2])
 }
 
 /// The methods that every camera has.

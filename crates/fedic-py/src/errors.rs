@@ -95,6 +95,14 @@ impl IntoPyErr for SyntheticError {
         match self {
             Self::InvalidOption { option, .. } => option_error(message, option),
             Self::NotVisible { .. } => camera_error(message),
+            // The exception that a Python function raised is raised again.
+            Self::Displacement(error) => match error.downcast::<PyErr>() {
+                Ok(error) => *error,
+                Err(_) => option_error(message, "displacement"),
+            },
+            Self::NotInvertible { .. } => option_error(message, "displacement"),
+            Self::InvalidPlane { .. } => option_error(message, "z"),
+            Self::TooLarge { .. } => option_error(message, "shape"),
             _ => image_error(message),
         }
     }

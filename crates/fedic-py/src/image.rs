@@ -1,4 +1,4 @@
-//! Grey levels borrowed from NumPy, and their interpolation at points.
+//! Grey levels borrowed from NumPy, and their interpolation.
 
 use std::str::FromStr;
 
@@ -22,7 +22,7 @@ pub(crate) enum GreyArray<'py> {
 }
 
 impl<'py> GreyArray<'py> {
-    /// Borrows `object`; `name` says in an error which image it is.
+    /// Borrows `object`; errors call it `name`.
     pub(crate) fn borrow(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
         let contiguous = |is: bool| {
             let message =
@@ -46,7 +46,7 @@ impl<'py> GreyArray<'py> {
         }
     }
 
-    /// The core's view of the array.
+    /// The array as an image of the core.
     pub(crate) fn view(&self, name: &str) -> PyResult<ImageView<'_>> {
         let (shape, pixels) = match self {
             Self::U8(array) => (array.shape(), array.as_slice().map(Pixels::U8)),
@@ -83,17 +83,19 @@ impl ImageSource for ReferenceImage {
     }
 }
 
-/// Grey levels and gradients of an image between its pixels, as a correlation reads them.
+/// Grey levels and gradients of an image between its pixels.
 ///
 /// Parameters
 /// ----------
 /// image : (h, w) array of uint8, uint16 or float32
 /// pixels : (n, 2) array_like
 ///     Image points ``(u, v)``.
-/// interpolation : {"bspline3", "bilinear", "bicubic", "bspline5"}
+/// interpolation : str
+///     One of `INTERPOLATIONS`.
 /// smoothing : float
-///     Standard deviation in pixels of a Gaussian filter applied first.
+///     Standard deviation in pixels of a Gaussian filter applied first; 0 applies none.
 /// gradient : {"analytic", "finite-difference"}
+///     Derivatives of the interpolant, or central differences at the pixels, interpolated.
 ///
 /// Returns
 /// -------
@@ -110,7 +112,7 @@ impl ImageSource for ReferenceImage {
 ///     If another argument cannot be used.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-#[pyo3(signature = (image, pixels, interpolation="bspline3", smoothing=0.0, gradient="analytic"))]
+#[pyo3(signature = (image, pixels, interpolation, *, smoothing=0.0, gradient="analytic"))]
 pub(crate) fn interpolate_image<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,

@@ -11,7 +11,7 @@ mod mesh;
 mod mesh_set;
 mod options;
 mod self_calibration;
-mod speckle;
+mod synthetic;
 mod worker;
 
 use pyo3::prelude::*;
@@ -20,9 +20,10 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     use pyo3::prelude::*;
+    use pyo3::types::PyTuple;
 
     #[pymodule_export]
-    use crate::camera::{FrontParallel, ImageFrame, Pinhole, aperture_points};
+    use crate::camera::{FrontParallel, ImageFrame, Pinhole};
     #[pymodule_export]
     use crate::cell_type::CellType;
     #[pymodule_export]
@@ -40,7 +41,7 @@ mod _core {
     #[pymodule_export]
     use crate::self_calibration::{SelfCalibration, calibrate_on_specimen};
     #[pymodule_export]
-    use crate::speckle::Speckle;
+    use crate::synthetic::{Speckle, render_plane};
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
@@ -48,6 +49,7 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::cell_type::add_cell_types(module)?;
+        module.add("INTERPOLATIONS", PyTuple::new(module.py(), fedic::Interpolation::NAMES)?)?;
         crate::options::add_tables(module)
     }
 }

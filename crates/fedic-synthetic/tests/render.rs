@@ -148,14 +148,13 @@ fn a_pixel_is_the_mean_over_its_aperture() {
 fn results_do_not_depend_on_the_number_of_threads() {
     let (plane, camera, speckle) = (tilted(), pinhole(0.3, -0.2), Speckle::new(2.0, 0.5, 3).unwrap());
     let image = || {
-        let rendering = Render::new(&camera, [300, 250]).displaced_plane(&plane, &speckle, &waves).unwrap();
+        let rendering = Render::new(&camera, [250, 230]).displaced_plane(&plane, &speckle, &waves).unwrap();
         Sensor::default().with_noise(3.0, 5).expose(&rendering).unwrap()
     };
     let on = |threads| ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(image);
+    // More points than one chunk.
     let expected = on(1);
-    for threads in [2, 3] {
-        assert!(on(threads) == expected, "{threads} threads");
-    }
+    assert!(on(3) == expected);
 }
 
 #[test]

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 from matplotlib.figure import Figure
 
-from fedic._core import ImageFrame, Mesh, rectangle_mesh
+from fedic._core import INTERPOLATIONS, ImageFrame, Mesh, rectangle_mesh
 from fedic._internal.types import Floats
 from fedic.correlation import Correlator
 from fedic.demo.scene import SPECKLE
@@ -18,7 +18,7 @@ from fedic.synthetic import Speckle, render
 
 __all__ = ["run"]
 
-INTERPOLATIONS, QUICK_INTERPOLATIONS = ("bilinear", "bicubic", "bspline3", "bspline5"), ("bspline3", "bspline5")
+QUICK_INTERPOLATIONS = ("bspline3", "bspline5")
 GRADIENTS, QUICK_GRADIENTS = ("analytic", "finite-difference"), ("analytic",)
 SMOOTHINGS, QUICK_SMOOTHINGS = (0.0, 0.4, 0.6, 0.7, 0.8, 1.0), (0.0, 0.7, 0.8)
 SHIFTS, QUICK_SHIFTS = tuple(round(0.1 * k, 1) for k in range(1, 10)), (0.3, 0.4, 0.5)
