@@ -188,7 +188,7 @@ def fourier_shift(image: Image | Floats, shift: tuple[float, float]) -> NDArray[
     for axis, distance in ((1, distances[0]), (0, distances[1])):
         length = shifted.shape[axis]
         spectrum = np.fft.rfft(np.concatenate([shifted, np.flip(shifted, axis)], axis), axis=axis)
-        # At the last frequency, half a period per pixel, the spectrum of a reflected image is zero: the image stays real.
+        # At half a period per pixel, the last frequency, a reflected image has no content: the result stays real.
         phase = np.exp(-1j * np.pi * distance * np.arange(length + 1) / length)
         spectrum *= phase if axis == 1 else phase[:, np.newaxis]
         shifted = np.take(np.fft.irfft(spectrum, 2 * length, axis=axis), range(length), axis=axis)
