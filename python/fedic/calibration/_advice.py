@@ -1,7 +1,10 @@
 """What would make a calibration better, in sentences."""
 
+from itertools import islice
+
 import numpy as np
 
+from fedic._internal.determinacy import correlated_pairs, insignificant
 from fedic._internal.types import Floats
 
 __all__ = ["correlation_advice", "coverage_advice", "parameter_advice", "tilt_advice", "view_advice"]
@@ -12,8 +15,6 @@ _FAR_CORNER = 0.15
 _POOR_FOCAL = 0.005
 _POOR_CENTRE = 0.01
 _LARGE_ERROR = 0.5
-_SIGNIFICANT = 2.0
-_EXCHANGEABLE = 0.998
 
 
 def view_advice(accepted: int, error: float) -> list[str]:
@@ -123,9 +124,9 @@ def parameter_advice(
             f"The principal point is known to {centre:.1f} px only: tilt the target more, and turn it in its plane."
         )
     weak = [
-        f"{name} = {parameters[name]:.2g} ± {deviation:.2g}"
-        for name, deviation in deviations.items()
-        if name not in ("fx", "fy", "cx", "cy") and abs(parameters[name]) < _SIGNIFICANT * deviation
+        f"{name} = {parameters[name]:.2g} ± {deviations[name]:.2g}"
+        for name in insignificant(parameters, deviations)
+        if name not in ("fx", "fy", "cx", "cy")
     ]
     if weak:
         advice.append(
@@ -150,13 +151,9 @@ def correlation_advice(names: tuple[str, ...], covariance: Floats) -> list[str]:
         Sentences.
     """
     own = covariance[: len(names), : len(names)]
-    deviations = np.sqrt(np.diag(own))
-    correlation = np.abs(np.triu(own / np.outer(deviations, deviations), 1))
-    first, second = np.unravel_index(int(correlation.argmax()), correlation.shape)
-    if correlation[first, second] < _EXCHANGEABLE:
-        return []
     return [
-        f"{names[first]} and {names[second]} can hardly be told apart (correlation {correlation[first, second]:.4f}) "
-        "and the least squares are far from linear, so that their standard deviations are too small: choose a lens "
-        "model without one of them, or tilt the target more."
+        f"{first} and {second} can hardly be told apart (correlation {abs(correlation):.4f}) and the least squares are "
+        "far from linear, so that their standard deviations are too small: choose a lens model without one of them, or "
+        "tilt the target more."
+        for first, second, correlation in islice(correlated_pairs(names, own), 1)
     ]

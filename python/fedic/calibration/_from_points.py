@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fedic._internal.determinacy import LARGEST_RELATIVE_DEVIATION
 from fedic.calibration._adjustment.fit import Fit, fit
 from fedic.calibration._adjustment.spline_fit import fit_spline
 from fedic.calibration._adjustment.start import start
@@ -16,8 +17,6 @@ from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
 __all__ = ["assembled", "calibrate_points", "explained_fit"]
-
-_POOREST_FOCAL = 0.1
 
 
 def calibrate_points(
@@ -100,7 +99,7 @@ def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tu
     try:
         found = fit_spline(lens, seen, image_size) if isinstance(lens, str) else fit(lens, seen, image_size)
         values, deviations = found.estimate.intrinsics[:2], np.sqrt(np.diag(found.covariance)[:2])
-        if np.any(deviations > _POOREST_FOCAL * values):
+        if np.any(deviations > LARGEST_RELATIVE_DEVIATION * values):
             raise CameraError(f"The views leave the focal length open: {values[0]:.4g} ± {deviations[0]:.2g} px.")
     except (CameraError, np.linalg.LinAlgError) as fault:
         what = str(fault) if isinstance(fault, CameraError) else "The views do not determine the camera."

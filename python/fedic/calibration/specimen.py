@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from fedic import _core
 from fedic._core import SPECIMEN_OPTIONS, BrownDistortion, Mesh, Pinhole
+from fedic._internal.determinacy import correlated_pairs, insignificant
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
@@ -24,15 +25,12 @@ if TYPE_CHECKING:
 
 __all__ = ["SpecimenCalibration", "calibrate_on_specimen"]
 
-_LARGE_CORRELATION = 0.98
-_LOOSE = 0.01
-"""Part of the image's diagonal that a parameter's standard deviation may move a point by before that is told."""
+_LARGEST_DISPLACEMENT = 0.01
+"""Displacement of a point by a standard deviation of a parameter, in image diagonals, from which advice is given."""
 _SMALL_MOTION = 0.1
 """Part of the image's shorter side that the largest motion should exceed."""
 _ONE_LINE = 0.1
 """Extent of the motions across their main direction, relative to that along it."""
-_INSIGNIFICANT = 2.0
-"""Standard deviations from zero within which a coefficient of the lens is none."""
 _LENS = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
 
 
@@ -237,23 +235,24 @@ def _advice(found: _core.SelfCalibration, names: tuple[str, ...], mesh: Mesh, si
     advice = []
     if not found.converged:
         advice.append("The iterations ended before they converged; allow more (max_iterations) or start closer.")
-    deviations = np.sqrt(np.diag(found.covariance))
-    for name, deviation, sensitivity in zip(names, deviations, found.sensitivities, strict=True):
-        if deviation * sensitivity > _LOOSE * np.hypot(*size):
+    deviations = dict(zip(names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    for name, sensitivity in zip(names, found.sensitivities, strict=True):
+        displacement = deviations[name] * sensitivity
+        if displacement > _LARGEST_DISPLACEMENT * np.hypot(*size):
             advice.append(
-                f"{name} is known within {deviation:.2g} only, which moves points by up to "
-                f"{deviation * sensitivity:.0f} px: hold it, or move the specimen further."
+                f"{name} is known to {deviations[name]:.2g} only, which displaces points by up to {displacement:.0f} "
+                "px: leave it out of the parameters, or move the specimen further."
             )
-        value = _lens_coefficient(found.camera, name)
-        if value is not None and abs(value) < _INSIGNIFICANT * deviation:
-            advice.append(f"{name} = {value:.2g} is zero within its standard deviation {deviation:.2g}: leave it out.")
-    correlation = found.covariance / np.outer(deviations, deviations)
-    for row, column in zip(*np.triu_indices(len(names), 1), strict=True):
-        if abs(correlation[row, column]) > _LARGE_CORRELATION:
-            advice.append(
-                f"{names[row]} and {names[column]} are correlated by {correlation[row, column]:.3f}: their values say "
-                "little one by one; find fewer parameters, or move the specimen further."
-            )
+    coefficients = _lens_coefficients(found.camera, names)
+    advice += [
+        f"{name} = {coefficients[name]:.2g} is zero within its standard deviation {deviations[name]:.2g}: leave it out."
+        for name in insignificant(coefficients, deviations)
+    ]
+    advice += [
+        f"{first} and {second} are correlated by {correlation:.3f}: their values mean little one by one; find fewer "
+        "parameters, or move the specimen further."
+        for first, second, correlation in correlated_pairs(names, found.covariance)
+    ]
     return advice + _advice_on_motions(found, mesh, size)
 
 
@@ -274,8 +273,10 @@ def _advice_on_motions(found: _core.SelfCalibration, mesh: Mesh, size: tuple[int
     return []
 
 
-def _lens_coefficient(camera: Pinhole, name: str) -> float | None:
+def _lens_coefficients(camera: Pinhole, names: tuple[str, ...]) -> dict[str, float]:
+    """Return the values of those parameters that are coefficients of the lens."""
     lens = camera.distortion
-    if name not in _LENS or not isinstance(lens, BrownDistortion):
-        return None
-    return dict(zip(_LENS, (*lens.radial, *lens.decentering, *lens.prism), strict=True))[name]
+    if not isinstance(lens, BrownDistortion):
+        return {}
+    values = dict(zip(_LENS, (*lens.radial, *lens.decentering, *lens.prism), strict=True))
+    return {name: values[name] for name in names if name in values}

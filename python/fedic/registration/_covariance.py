@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fedic._core import FrontParallel
+from fedic._internal.determinacy import LARGEST_RELATIVE_DEVIATION, join_names, undetermined
+from fedic._internal.least_squares import scaled_inverse
 from fedic._internal.types import Floats
 from fedic.errors import CameraError, SolveError
 from fedic.registration._pose import Placeable
@@ -12,11 +14,7 @@ from fedic.registration._problem import Group
 
 __all__ = ["check_determined", "check_known", "covariance_of"]
 
-_OPEN = 1e-5
-"""Singular value, of columns brought to one length and the largest being one, of a motion the data do not see."""
-_PART = 0.1
 _POOREST_ANGLE = 0.2
-_POOREST_GROWTH = 0.1
 _LONGEST_LAG = 0.25
 
 
@@ -40,18 +38,12 @@ def check_determined(groups: Sequence[Group], names: Sequence[str]) -> None:
     rows = np.concatenate([group.jacobian[group.used] for group in groups])
     if not np.isfinite(rows).all():
         raise CameraError("camera: from its start it does not see all the points and features; correct the start.")
-    lengths = np.linalg.norm(rows, axis=0)
-    blind = [name for name, length in zip(names, lengths, strict=True) if length <= 1e-12 * lengths.max()]
-    if not blind:
-        _, values, motions = np.linalg.svd(rows / lengths, full_matrices=True)
-        values = np.append(values, np.zeros(len(names) - len(values)))
-        hidden = np.abs(motions[values <= _OPEN * values[0]])
-        blind = [name for name, part in zip(names, hidden.T, strict=True) if len(part) and part.max() > _PART]
-    if blind:
+    open_names = undetermined(names, rows)
+    if open_names:
         raise SolveError(
-            f"The points and features given do not determine {_listed(blind)}: the image of the mesh can move in a way "
-            "they do not show. Add point pairs or features that do, such as a hole or a side across the others, or "
-            "hold parameters with free=(...)."
+            f"The points and features given do not determine {join_names(open_names)}: the image of the mesh can move "
+            "in a way they do not show. Add point pairs or features that do, such as a hole or a side across the "
+            "others, or hold parameters with free=(...)."
         )
 
 
@@ -64,7 +56,7 @@ def check_known(names: Sequence[str], deviations: Sequence[float], camera: Place
         If an angle is uncertain by over 0.2 rad, or the scale or distance by over a tenth.
     """
     size = camera.scale if isinstance(camera, FrontParallel) else abs(camera.translation[2])
-    limits = {"scale": _POOREST_GROWTH * size, "tz": _POOREST_GROWTH * size}
+    limits = {"scale": LARGEST_RELATIVE_DEVIATION * size, "tz": LARGEST_RELATIVE_DEVIATION * size}
     limits.update(dict.fromkeys(("angle", "rx", "ry", "rz"), _POOREST_ANGLE))
     pairs = zip(names, deviations, strict=True)
     poor = [(name, value) for name, value in pairs if value > limits.get(name, np.inf)]
@@ -110,7 +102,7 @@ def covariance_of(groups: Sequence[Group]) -> tuple[Floats, list[float]]:
     if not np.isfinite(noises).all():
         return np.full_like(inverse, np.nan), noises
     floors = [max(noise, 1e-12) for noise in noises]
-    return _inverted(_normal(groups, floors)), noises
+    return scaled_inverse(_normal(groups, floors)), noises
 
 
 def _normal(groups: Sequence[Group], noises: Sequence[float]) -> Floats:
@@ -118,13 +110,6 @@ def _normal(groups: Sequence[Group], noises: Sequence[float]) -> Floats:
     rows = np.concatenate(parts)
     normal: Floats = rows.T @ rows
     return normal
-
-
-def _inverted(normal: Floats) -> Floats:
-    """Invert a normal matrix whose parameters differ in unit."""
-    scale = np.sqrt(np.diag(normal))
-    inverse: Floats = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
-    return inverse
 
 
 def _correlation_length(left: Floats) -> float:
@@ -142,7 +127,3 @@ def _correlation_length(left: Floats) -> float:
             break
         total += 2.0 * correlation
     return total
-
-
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

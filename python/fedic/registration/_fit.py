@@ -5,12 +5,15 @@ wide, then closely, with Tukey's weights on the distances. The noise of each fea
 is left.
 """
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fedic._internal.least_squares import DenseEquations, minimize
+from fedic._internal.robust_weights import cauchy_weights, deviation_of_residuals, tukey_weights
 from fedic._internal.types import Floats
-from fedic.errors import CameraError, SolveError
+from fedic.errors import SolveError
 from fedic.registration._covariance import check_known, covariance_of
 from fedic.registration._edges import measure_edge
 from fedic.registration._pose import similarity_parameters
@@ -21,12 +24,10 @@ __all__ = ["fit_edges", "fit_pairs"]
 _STAGES = ((24.0, 16.0, 6, 0.2), (12.0, 16.0, 8, 0.05), (3.0, 8.0, 40, 1e-3))
 """Reach and band in pixels, most iterations, and the motion in pixels below which the stage is over."""
 _FULL_STEPS = 10
-_CAUCHY, _TUKEY = 2.4, 4.7
 _SMALLEST_NOISE = 0.01
 _REWEIGHTINGS = 8
-_MEDIAN_OF_NORMAL = 0.6745
 _PAIR_ITERATIONS = 200
-_EXACT = 1e-9
+_TOLERANCE, _IMMATERIAL = 1e-9, 1e-6
 
 
 def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
@@ -37,28 +38,41 @@ def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
     SolveError
         If no minimum is found from this start.
     """
-    damping = 1e-3
-    residuals, jacobian = _all_pair_rows(estimate, problem)
-    for _ in range(_PAIR_ITERATIONS):
-        scale = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny)
-        rows = jacobian / scale
-        newton = np.linalg.lstsq(rows, residuals, rcond=1e-12)[0]
-        if float(np.linalg.norm(rows @ newton)) <= _EXACT:
-            return estimate
-        damped = np.concatenate([rows, np.sqrt(damping) * np.eye(len(scale))])
-        step = np.linalg.lstsq(damped, np.append(residuals, np.zeros(len(scale))), rcond=None)[0] / scale
-        try:
-            trial = estimate.moved(problem.names, step)
-            left, slopes = _all_pair_rows(trial, problem)
-        except CameraError:  # a scale that is not positive
-            left, slopes = np.full_like(residuals, np.nan), jacobian
-        if np.isfinite(left).all() and float(left @ left) < float(residuals @ residuals):
-            estimate, residuals, jacobian, damping = trial, left, slopes, max(damping / 10.0, 1e-15)
-        elif damping > 1e12:
-            return estimate
-        else:
-            damping *= 10.0
-    raise SolveError("The points do not lead to a pose from this start; give a better start, or check the pairs.")
+    minimum = minimize(
+        _PairProblem(problem),
+        estimate,
+        tolerance=_TOLERANCE,
+        immaterial=_IMMATERIAL,
+        noise=1.0,
+        max_iterations=_PAIR_ITERATIONS,
+    )
+    if not minimum.converged:
+        raise SolveError("The points do not lead to a pose from this start; give a better start, or check the pairs.")
+    return minimum.estimate
+
+
+@dataclass(frozen=True, eq=False)
+class _PairProblem:
+    """Point pairs as a `fedic._internal.least_squares.Problem`, in standard deviations of the pixels."""
+
+    problem: Problem
+
+    def linearize(self, estimate: Estimate) -> DenseEquations:
+        groups = pair_groups(estimate, self.problem)
+        jacobian = np.concatenate([group.jacobian / group.noise for group in groups])
+        return DenseEquations(jacobian, self.residuals(estimate))
+
+    def residuals(self, estimate: Estimate) -> Floats:
+        groups = pair_groups(estimate, self.problem)
+        return np.concatenate([group.residuals / group.noise for group in groups])
+
+    def cost(self, estimate: Estimate) -> float:
+        residuals = self.residuals(estimate)
+        total = float(residuals @ residuals)
+        return total if np.isfinite(total) else np.inf
+
+    def move(self, estimate: Estimate, step: Floats) -> Estimate:
+        return estimate.moved(self.problem.names, step)
 
 
 def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Group], float]:
@@ -80,25 +94,25 @@ def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Grou
     """
     motion = np.inf
     for index, (reach, band, iterations, enough) in enumerate(_STAGES):
-        cutoff = None if index < len(_STAGES) - 1 else _TUKEY
+        edge_weights = cauchy_weights if index < len(_STAGES) - 1 else tukey_weights
         names = similarity_parameters(problem.names) if index == 0 else problem.names
         stage = replace(problem, names=names or problem.names)
         if index == 1:
             _check_known(estimate, stage, reach, band)
         for iteration in range(iterations):
             groups = _measured(estimate, stage, reach, band)
-            step, groups = _robust_step(groups, cutoff)
+            step, groups = _robust_step(groups, edge_weights)
             # Pieces that count and do not count in turn would keep the fit swinging between two places.
             estimate = estimate.moved(stage.names, step * 0.5 ** (iteration // _FULL_STEPS))
             motion = max(float(np.abs(group.jacobian @ step).max()) for group in groups)
             if motion <= enough:
                 break
     groups = _measured(estimate, problem, *_STAGES[-1][:2])
-    return estimate, _robust_step(groups, _TUKEY)[1], motion
+    return estimate, _robust_step(groups, tukey_weights)[1], motion
 
 
 def _check_known(estimate: Estimate, problem: Problem, reach: float, band: float) -> None:
-    _, groups = _robust_step(_measured(estimate, problem, reach, band), None)
+    _, groups = _robust_step(_measured(estimate, problem, reach, band), cauchy_weights)
     deviations = np.sqrt(np.diag(covariance_of(groups)[0]))[: len(problem.names)]
     check_known(problem.names, list(deviations), estimate.camera)
 
@@ -111,15 +125,16 @@ def _measured(estimate: Estimate, problem: Problem, reach: float, band: float) -
     return [*groups, *pair_groups(estimate, problem)]
 
 
-def _all_pair_rows(estimate: Estimate, problem: Problem) -> tuple[Floats, Floats]:
-    """Return residuals and derivatives in standard deviations of the pixels."""
-    groups = pair_groups(estimate, problem)
-    residuals = np.concatenate([group.residuals / group.noise for group in groups])
-    return residuals, np.concatenate([group.jacobian / group.noise for group in groups])
+def _robust_step(groups: list[Group], edge_weights: Callable[[Floats], Floats]) -> tuple[Floats, list[Group]]:
+    """Solve the linear problem, reweighted by its own residuals; also return the groups with their new noise.
 
-
-def _robust_step(groups: list[Group], tukey: float | None) -> tuple[Floats, list[Group]]:
-    """Solve the linear problem with weights that follow from what it leaves; Cauchy's unless Tukey's are wanted."""
+    Parameters
+    ----------
+    groups : list of Group
+        The rows.
+    edge_weights : callable
+        Weights of the edge pieces from their residuals in standard deviations.
+    """
     weights = [group.used.astype(np.float64) for group in groups]
     noises = [group.noise for group in groups]
     step = np.zeros(groups[0].jacobian.shape[1])
@@ -127,24 +142,14 @@ def _robust_step(groups: list[Group], tukey: float | None) -> tuple[Floats, list
         roots = [np.sqrt(weight) / noise for weight, noise in zip(weights, noises, strict=True)]
         rows = np.concatenate([root[:, None] * group.jacobian for root, group in zip(roots, groups, strict=True)])
         values = np.concatenate([root * group.residuals for root, group in zip(roots, groups, strict=True)])
-        scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
-        step = np.linalg.lstsq(rows / scale, values, rcond=1e-9)[0] / scale
+        step, _ = DenseEquations(rows, values).solve(0.0)
         for index, group in enumerate(groups):
             left = group.residuals - group.jacobian @ step
             if not group.known:
-                noises[index] = max(_spread(left[group.used]), _SMALLEST_NOISE)
-            ratio = left / noises[index]
-            if group.edge is None:
-                continue
-            if tukey is None:
-                weights[index] = group.used / (1.0 + (ratio / _CAUCHY) ** 2)
-            else:
-                weights[index] = group.used * np.maximum(1.0 - (ratio / tukey) ** 2, 0.0) ** 2
+                noises[index] = max(deviation_of_residuals(left[group.used]), _SMALLEST_NOISE)
+            if group.edge is not None:
+                weights[index] = group.used * edge_weights(left / noises[index])
     return step, [
         replace(group, used=weight > 0.0, noise=noise)
         for group, weight, noise in zip(groups, weights, noises, strict=True)
     ]
-
-
-def _spread(left: Floats) -> float:
-    return float(np.median(np.abs(left))) / _MEDIAN_OF_NORMAL if len(left) else np.inf

@@ -1,14 +1,15 @@
-"""Least squares over the intrinsic parameters and the poses of all the views, and their covariance.
+"""Least squares over the intrinsic parameters and the poses of all views, and their covariance.
 
-Levenberg-Marquardt on the pixels' distances (Zhang, "A flexible new technique for camera calibration", 2000). OpenCV's
-own minimiser cannot free the two prism coefficients alone, nor weigh points, takes no other lens, and gives no
-covariance.
+Zhang, "A flexible new technique for camera calibration", 2000. OpenCV's own minimiser cannot free the two prism
+coefficients alone, weight points, fit other lenses or give a covariance.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fedic._internal.determinacy import LARGEST_CONDITION
+from fedic._internal.least_squares import Minimum, minimize
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.normal_equations import NormalEquations
 from fedic.calibration.lenses import Lens
@@ -18,12 +19,7 @@ from fedic.errors import CameraError
 __all__ = ["Bundle", "Estimate"]
 
 _IMMATERIAL = 1e-3
-"""Likewise where a step does not lower the cost: so close to the minimum that is rounding."""
-_EXACT_PX = 1e-8
-_AHEAD = 0.1
-"""Part of a step over which the curvature along it is seen."""
-_STUCK_DAMPING = 1e12
-_LARGEST_CONDITION = 1e12
+_SMALLEST_NOISE_PX = 1e-8
 _OPEN = "The views do not determine the parameters of the camera."
 
 
@@ -77,53 +73,49 @@ class Bundle:
         self._observations = observations
         self._weights = weights or [np.ones(len(each.points)) for each in observations]
 
-    def residuals(self, estimate: Estimate) -> list[Floats]:
-        """Return seen minus projected pixels, (n, 2) for each view."""
+    def minimize(self, estimate: Estimate, max_iterations: int) -> Minimum[Estimate]:
+        """Minimise the squared distances from a start."""
+        return minimize(
+            self,
+            estimate,
+            tolerance=self._lens.tolerance,
+            immaterial=_IMMATERIAL,
+            freedom=self.freedom,
+            smallest_noise=_SMALLEST_NOISE_PX,
+            damping=self._lens.first_damping,
+            max_iterations=max_iterations,
+        )
+
+    def distances(self, estimate: Estimate) -> list[Floats]:
+        """Return measured minus projected pixels, (n, 2) for each view."""
         return [self._linearised(estimate, view)[0] for view in range(len(self._observations))]
 
-    def minimise(self, estimate: Estimate, max_iterations: int) -> tuple[Estimate, bool]:
-        """Move an estimate to the minimum; also say whether it was reached."""
-        equations = self._normal_equations(estimate)
-        damping = self._lens.first_damping
-        for _ in range(max_iterations):
-            try:
-                newton, correction = equations.step(0.0)
-                step = self._bent(estimate, equations, damping)
-            except np.linalg.LinAlgError:
-                return estimate, False
-            noise = max(np.sqrt(equations.cost / max(self.freedom, 1)), _EXACT_PX)
-            deviations = np.sqrt(max(correction, 0.0)) / noise
-            if deviations <= self._lens.tolerance:
-                return estimate.moved(newton), True
-            trial = estimate.moved(step)
-            if self._cost(trial) < equations.cost:
-                estimate, damping = trial, max(damping / 10.0, 1e-12)
-                equations = self._normal_equations(estimate)
-            elif deviations <= _IMMATERIAL:
-                return estimate, True
-            else:
-                damping *= 10.0
-                if damping > _STUCK_DAMPING:
-                    return estimate, False
-        return estimate, False
+    def residuals(self, estimate: Estimate) -> Floats:
+        """Return the weighted distances of all views, see `fedic._internal.least_squares.Problem`."""
+        pairs = zip(self._weights, self.distances(estimate), strict=True)
+        return np.concatenate([(np.sqrt(weights)[:, np.newaxis] * distances).ravel() for weights, distances in pairs])
 
-    def _bent(self, estimate: Estimate, equations: NormalEquations, damping: float) -> Floats:
-        """Return a step, bent as the projections curve along it (Transtrum and Sethna, 2012).
-
-        Where the views hardly determine a combination of the unknowns, the minimum lies far along a narrow curved
-        valley, which straight steps follow slowly.
-        """
-        step, _ = equations.step(damping)
-        ahead = self.residuals(estimate.moved(_AHEAD * step))
-        known = zip(self._weights, ahead, equations.residuals, equations.changes(step), strict=True)
-        curves = [
-            2.0 / _AHEAD * (((np.sqrt(weights)[:, np.newaxis] * after).ravel() - before) / _AHEAD + straight)
-            for weights, after, before, straight in known
+    def cost(self, estimate: Estimate) -> float:
+        """Return the sum of squares and the penalty; infinite if a point lies behind the camera."""
+        costs = [
+            float((weights * (distances**2).sum(axis=1))[weights > 0.0].sum())
+            for weights, distances in zip(self._weights, self.distances(estimate), strict=True)
         ]
-        if not all(np.isfinite(curve).all() for curve in curves):
-            return step
-        bend, _ = equations.step_to(damping, curves)
-        return step + 0.5 * bend if np.linalg.norm(bend) <= np.linalg.norm(step) else step
+        total = sum(costs)
+        if self._lens.penalty is not None:
+            total += float(estimate.intrinsics @ self._lens.penalty @ estimate.intrinsics)
+        return total if np.isfinite(total) and self._in_front(estimate) else np.inf
+
+    def linearize(self, estimate: Estimate) -> NormalEquations:
+        """Return the normal equations."""
+        equations = NormalEquations(self._lens.size, self._lens.penalty, estimate.intrinsics)
+        for view in range(len(self._observations)):
+            equations.add(*self._rows(estimate, view))
+        return equations
+
+    def move(self, estimate: Estimate, step: Floats) -> Estimate:
+        """Return the estimate moved by a step."""
+        return estimate.moved(step)
 
     @property
     def freedom(self) -> int:
@@ -141,9 +133,9 @@ class Bundle:
         CameraError
             If the views leave some combination of the unknowns free.
         """
-        equations = self._normal_equations(estimate)
+        equations = self.linearize(estimate)
         freedom, cost = float(self.freedom), equations.cost
-        if not equations.condition < _LARGEST_CONDITION:
+        if not equations.condition < LARGEST_CONDITION:
             raise CameraError(_OPEN)
         if self._lens.penalty is not None:
             freedom += equations.stiffened(self._lens.penalty)
@@ -158,27 +150,11 @@ class Bundle:
         equations.add(*self._rows(estimate, view))
         return equations.eliminated()
 
-    def _cost(self, estimate: Estimate) -> float:
-        costs = [
-            float((weights * (residual**2).sum(axis=1))[weights > 0.0].sum())
-            for weights, residual in zip(self._weights, self.residuals(estimate), strict=True)
-        ]
-        total = sum(costs)
-        if self._lens.penalty is not None:
-            total += float(estimate.intrinsics @ self._lens.penalty @ estimate.intrinsics)
-        return total if np.isfinite(total) and self._in_front(estimate) else np.inf
-
     def _in_front(self, estimate: Estimate) -> bool:
         posed = zip(self._observations, estimate.rotations, estimate.translations, strict=True)
         return bool(estimate.intrinsics[:2].min() > 0.0) and all(
             ((each.points @ rotation.T + translation)[:, 2] > 0.0).all() for each, rotation, translation in posed
         )
-
-    def _normal_equations(self, estimate: Estimate) -> NormalEquations:
-        equations = NormalEquations(self._lens.size, self._lens.penalty, estimate.intrinsics)
-        for view in range(len(self._observations)):
-            equations.add(*self._rows(estimate, view))
-        return equations
 
     def _rows(self, estimate: Estimate, view: int) -> tuple[Floats, Floats]:
         """Return the weighted derivatives (2 n, p + 6) of the projections in a view, and the residuals (2 n,)."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fedic._internal.robust_weights import cauchy_weights, deviation_of_lengths
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
 from fedic.calibration._adjustment.start import pose_of, start
@@ -20,16 +21,15 @@ from fedic.calibration.lenses import Lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
-__all__ = ["Fit", "cauchy_weights", "fit"]
+__all__ = ["Fit", "fit", "point_weights"]
 
-_MEDIAN_OF_RAYLEIGH = float(np.sqrt(2.0 * np.log(2.0)))
 _FAR_POINT = 6.0
 _NOISY_VIEW = 3.0
 _SPOILT_VIEW = 0.2
-_CAUCHY = 2.385
 _SMALLEST_NOISE = 0.02
 _ROUNDS = 30
 _MAX_ITERATIONS = 500
+_ROBUST_ITERATIONS = 10
 _FEWEST_VIEWS = 2
 
 
@@ -98,9 +98,9 @@ def fit(
     _check_count(len(observations), "seen", {})
     estimate = estimate or start(lens, observations, image_size)
     every = Bundle(lens, observations)
-    initial_errors = _rms(every.residuals(estimate))
-    estimate, _ = every.minimise(estimate, _MAX_ITERATIONS)
-    lengths = _lengths(every.residuals(estimate))
+    initial_errors = _rms(every.distances(estimate))
+    estimate = every.minimize(estimate, _MAX_ITERATIONS).estimate
+    lengths = _lengths(every.distances(estimate))
     if any((length > _FAR_POINT * _noise(lengths)).any() for length in lengths):
         estimate = _robust(lens, observations, estimate)
 
@@ -108,7 +108,7 @@ def fit(
     used = [np.ones(len(each.points), dtype=bool) for each in observations]
     for _ in range(_ROUNDS):
         before = [mask.copy() for mask in used], len(accepted)
-        lengths = _lengths(every.residuals(estimate))
+        lengths = _lengths(every.distances(estimate))
         noise = _noise([lengths[view] for view in accepted])
         for view in list(accepted):
             used[view] = lengths[view] <= _FAR_POINT * noise
@@ -122,7 +122,7 @@ def fit(
 
     weights = [used[view].astype(np.float64) for view in accepted]
     bundle = Bundle(lens, [observations[view] for view in accepted], weights)
-    residuals = every.residuals(estimate)
+    residuals = every.distances(estimate)
     final = [
         residual[mask] if view in accepted else residual
         for view, (residual, mask) in enumerate(zip(residuals, used, strict=True))
@@ -141,12 +141,13 @@ def _refitted(
     """Return the least-squares fit to what is kept; the other views' poses follow the new camera."""
     weights = [used[view].astype(np.float64) for view in accepted]
     bundle = Bundle(lens, [observations[view] for view in accepted], weights)
-    kept, converged = bundle.minimise(estimate.of(accepted), _MAX_ITERATIONS)
-    if not converged:
+    minimum = bundle.minimize(estimate.of(accepted), _MAX_ITERATIONS)
+    if not minimum.converged:
         raise CameraError(
             f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views leave some parameter open, or the "
             "points found are not those of one flat target."
         )
+    kept = minimum.estimate
     rotations, translations = estimate.rotations.copy(), estimate.translations.copy()
     rotations[accepted], translations[accepted] = kept.rotations, kept.translations
     for view in set(range(len(observations))) - set(accepted):
@@ -158,20 +159,21 @@ def _robust(lens: Lens, observations: list[Observation], estimate: Estimate) -> 
     """Return the fit with Cauchy weights, from the least-squares fit."""
     previous = np.inf
     for _ in range(_ROUNDS):
-        residuals = Bundle(lens, observations).residuals(estimate)
+        residuals = Bundle(lens, observations).distances(estimate)
         noise = _noise(_lengths(residuals))
         if abs(noise - previous) <= 1e-3 * noise:
             break
         previous = noise
-        estimate, _ = Bundle(lens, observations, cauchy_weights(residuals)).minimise(estimate, 10)
+        bundle = Bundle(lens, observations, point_weights(residuals))
+        estimate = bundle.minimize(estimate, _ROBUST_ITERATIONS).estimate
     return estimate
 
 
-def cauchy_weights(residuals: list[Floats]) -> list[Floats]:
-    """Return weights (n,) of the points of each view by their residuals (n, 2): small for those that are far off."""
+def point_weights(residuals: list[Floats]) -> list[Floats]:
+    """Return Cauchy weights (n,) of the points of each view from their residuals (n, 2)."""
     lengths = _lengths(residuals)
-    reach = _CAUCHY * _noise(lengths)
-    return [1.0 / (1.0 + (length / reach) ** 2) for length in lengths]
+    noise = _noise(lengths)
+    return [cauchy_weights(length / noise) for length in lengths]
 
 
 def _fault(lengths: Floats, used: NDArray[np.bool_], noise: float) -> str:
@@ -209,7 +211,7 @@ def _lengths(residuals: list[Floats]) -> list[Floats]:
 
 
 def _noise(lengths: list[Floats]) -> float:
-    return max(float(np.median(np.concatenate(lengths))) / _MEDIAN_OF_RAYLEIGH, _SMALLEST_NOISE)
+    return max(deviation_of_lengths(np.concatenate(lengths)), _SMALLEST_NOISE)
 
 
 def _rms(residuals: list[Floats]) -> Floats:

@@ -29,8 +29,6 @@ class NormalEquations:
     ----------
     cost : float
         Sum of the squared residuals, and the penalty.
-    residuals : list of ndarray
-        Those of each view, as added.
     """
 
     def __init__(self, size: int, penalty: Floats | None = None, values: Floats | None = None) -> None:
@@ -38,7 +36,7 @@ class NormalEquations:
         if penalty is not None and values is not None:
             force = penalty @ values
             self._shared, self._gradient, self.cost = penalty.copy(), -force, float(values @ force)
-        self.residuals: list[Floats] = []
+        self._residuals: list[Floats] = []
         self._rows: list[Floats] = []
         self._of_poses: list[Floats] = []
         self._across: list[Floats] = []
@@ -56,7 +54,7 @@ class NormalEquations:
         """
         own, pose = self._split(rows)
         self._rows.append(rows)
-        self.residuals.append(residuals)
+        self._residuals.append(residuals)
         self._shared += own.T @ own
         self._gradient += own.T @ residuals
         self._of_poses.append(pose.T @ pose)
@@ -64,41 +62,36 @@ class NormalEquations:
         self._pose_gradients.append(pose.T @ residuals)
         self.cost += float(residuals @ residuals)
 
-    def step(self, damping: float) -> tuple[Floats, float]:
-        """Return the step of Levenberg-Marquardt, and the squared length of it in the undamped normal matrix.
+    @property
+    def residuals(self) -> Floats:
+        """Weighted residuals of all views, shape (m,)."""
+        return np.concatenate(self._residuals)
 
-        Parameters
-        ----------
-        damping : float
-            Times the diagonal of the matrix, what is added to it.
+    def solve(self, damping: float, target: Floats | None = None) -> tuple[Floats, float]:
+        """Solve for a step, see `fedic._internal.least_squares.Equations.solve`.
 
-        Returns
-        -------
-        ndarray, shape (p + 6 n,)
-            Intrinsic parameters, then the pose of each view.
-        float
-            The squared length.
+        The step holds the intrinsic parameters, then the pose of each view: shape (p + 6 n,).
         """
-        return self._solved(damping, self._gradient, np.array(self._pose_gradients))
-
-    def step_to(self, damping: float, changes: list[Floats]) -> tuple[Floats, float]:
-        """Return the same towards given changes of the projected coordinates, one array (m,) per view."""
-        own, pose = np.zeros_like(self._gradient), []
-        for rows, values in zip(self._rows, changes, strict=True):
+        if target is None:
+            return self._solve(damping, self._gradient, np.array(self._pose_gradients))
+        parts = np.split(target, np.cumsum([len(rows) for rows in self._rows])[:-1])
+        own, poses = np.zeros_like(self._gradient), []
+        for rows, values in zip(self._rows, parts, strict=True):
             of_own, of_pose = self._split(rows)
             own += of_own.T @ values
-            pose.append(of_pose.T @ values)
-        return self._solved(damping, own, np.array(pose))
+            poses.append(of_pose.T @ values)
+        return self._solve(damping, own, np.array(poses))
 
-    def changes(self, step: Floats) -> list[Floats]:
-        """Return how far a step moves the projected coordinates to first order: one array (m,) per view."""
+    def apply(self, step: Floats) -> Floats:
+        """Return the change of the projected coordinates along a step, to first order, shape (m,)."""
         own, poses = step[: len(self._gradient)], step[len(self._gradient) :].reshape(-1, 6)
-        return [rows @ np.concatenate([own, pose]) for rows, pose in zip(self._rows, poses, strict=True)]
+        views = zip(self._rows, poses, strict=True)
+        return np.concatenate([rows @ np.concatenate([own, pose]) for rows, pose in views])
 
     def _split(self, rows: Floats) -> tuple[Floats, Floats]:
         return rows[:, : len(self._gradient)], rows[:, len(self._gradient) :]
 
-    def _solved(self, damping: float, gradient: Floats, pose_gradients: Floats) -> tuple[Floats, float]:
+    def _solve(self, damping: float, gradient: Floats, pose_gradients: Floats) -> tuple[Floats, float]:
         scale, pose_scales, shared, poses, across = self._scaled()
         gradient, pose_gradients = gradient / scale, pose_gradients / pose_scales
         size = len(scale)

@@ -6,7 +6,7 @@ import numpy as np
 
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
-from fedic.calibration._adjustment.fit import Fit, cauchy_weights, fit
+from fedic.calibration._adjustment.fit import Fit, fit, point_weights
 from fedic.calibration._adjustment.smoothing import smoothed
 from fedic.calibration.lenses import RADIAL, SplineLens
 from fedic.calibration.observation import Observation
@@ -50,7 +50,7 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
         )
     first = fit(RADIAL, observations, image_size)
     kept = [observations[view] for view in first.accepted]
-    weights = cauchy_weights([first.residuals[view] for view in first.accepted])
+    weights = point_weights([first.residuals[view] for view in first.accepted])
     pixels = np.concatenate([each.pixels for each in kept])
     camera = RADIAL.camera(first.estimate.intrinsics, np.eye(3), np.zeros(3))
     near = first.estimate.of(first.accepted)
@@ -58,7 +58,7 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
         lens = replace(SplineLens.over(name, _retinal(kept, near), pixels, camera), smoothing=_FIRST_SMOOTHING)
         start = replace(near, intrinsics=np.concatenate([near.intrinsics[:4], np.zeros(lens.size - 4)]))
         bundle = Bundle(lens, kept, weights)
-        near, _ = bundle.minimise(start, _FIRST_ITERATIONS)
+        near = bundle.minimize(start, _FIRST_ITERATIONS).estimate
     lens = smoothed(lens, bundle, near)
 
     rotations, translations = first.estimate.rotations.copy(), first.estimate.translations.copy()
