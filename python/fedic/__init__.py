@@ -94,7 +94,7 @@ __all__ = [
     "write_camera",
 ]
 
-_WHEN_ASKED_FOR = {
+_LAZY = {
     "Calibration": "calibration",
     "calibrate": "calibration",
     "read_camera": "cameras.files",
@@ -105,12 +105,12 @@ _WHEN_ASKED_FOR = {
     "SpecimenCalibration": "calibration.specimen",
     "calibrate_on_specimen": "calibration.specimen",
 }
-"""Names and the modules they are in: a measurement does not need them, and starts sooner without."""
+"""Names imported on first use and their modules, which a measurement does not need."""
 
 
 def __getattr__(name: str) -> object:
-    module = _WHEN_ASKED_FOR.get(name, name)
-    if module not in _WHEN_ASKED_FOR.values():
+    module = _LAZY.get(name, name)
+    if module not in _LAZY.values():
         raise AttributeError(f"module 'fedic' has no attribute {name!r}")
     found = import_module(f"fedic.{module}")
     return found if name == module else getattr(found, name)

@@ -14,12 +14,12 @@ from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import CalibrationWarning, OptionError
 from fedic.io._files import file_of
-from fedic.io.images import as_pair, let_go, own_image
+from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
 from fedic.result import Iteration, Result
-from fedic.starts.fft import uniform_start
+from fedic.starts.fft import initial_translation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -77,14 +77,14 @@ class Correlator:
         **options: "Unpack[CorrelationOptions]",
     ) -> None:
         arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "progress"))
-        self._reference = own_image(reference, "reference")
+        self._reference = copy_if_writable(reference, "reference")
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)
         self._core = _core.Correlator(self._reference, mesh, camera, progress=core_callback(progress), **arguments)
         self._options = arguments
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
-        let_go(self._reference)
+        release_pages(self._reference)
         _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
 
     @property
@@ -120,10 +120,10 @@ class Correlator:
         SolveError
             If the images do not determine the displacement of some node, or the iterations diverge.
         """
-        original, deformed = deformed, as_pair(self._reference, deformed)
+        original, deformed = deformed, validate_deformed(self._reference, deformed)
         start = self._initial if initial is None else _checked_initial(initial, self._mesh)
         if isinstance(start, str) and start == "fft":
-            start = uniform_start(self._reference, deformed, self._mesh, self._camera)
+            start = initial_translation(self._reference, deformed, self._mesh, self._camera)
         solution = self._core.correlate(
             deformed,
             initial=start if isinstance(start, np.ndarray) else None,
@@ -171,7 +171,7 @@ class Correlator:
             ``f - g`` of the images as smoothed, after the brightness correction, in grey levels; NaN at pixels whose
             centre lies outside the mesh.
         """
-        return self._core.residual_map(as_pair(self._reference, deformed), displacement)
+        return self._core.residual_map(validate_deformed(self._reference, deformed), displacement)
 
     def standard_deviations(self, noise: float) -> Floats:
         """Predict the standard deviation of the displacement from the noise of the images.

@@ -1,7 +1,7 @@
-"""The typed errors of fedic: every one is a `FedicError` and carries where the fault lies.
+"""Exceptions and warnings of fedic; every exception is a `FedicError`.
 
-The extension module raises these same classes, so ``except fedic.MeshError as error: error.cells`` works whatever
-layer found the fault.
+The extension module raises these classes too, so that ``except fedic.MeshError as error: error.cells`` works for
+errors of both languages.
 """
 
 from collections.abc import Sequence
@@ -19,12 +19,12 @@ __all__ = [
 
 
 class FedicError(Exception):
-    """Base of every error fedic raises on purpose.
+    """Base class of the exceptions of fedic.
 
     Parameters
     ----------
     message : str
-        What was wrong, where, and what to do.
+        Description of the error, its location, and a remedy.
     """
 
     def __init__(self, message: str = "") -> None:
@@ -41,9 +41,9 @@ class MeshError(FedicError):
     Attributes
     ----------
     cells : list of int
-        Indices of the cells at fault, counted over all blocks in their order; empty where no cell is to blame.
+        Indices of the invalid cells, counted over all blocks in their order; may be empty.
     nodes : list of int
-        Indices of the nodes at fault.
+        Indices of the invalid nodes; may be empty.
     """
 
     def __init__(self, message: str = "", cells: Sequence[int] = (), nodes: Sequence[int] = ()) -> None:
@@ -60,7 +60,7 @@ class ImageError(FedicError):
 
 
 class CameraError(FedicError):
-    """A camera with impossible parameters, or points it cannot see."""
+    """A camera with invalid parameters, or points it cannot see."""
 
 
 class OptionError(FedicError, ValueError):
@@ -90,7 +90,7 @@ class SolveError(FedicError):
     Attributes
     ----------
     nodes : list of int
-        Indices of the nodes whose displacement the images do not determine; empty where no node is to blame.
+        Indices of the nodes whose displacement the images do not determine; may be empty.
     """
 
     def __init__(self, message: str = "", nodes: Sequence[int] = ()) -> None:
@@ -107,7 +107,7 @@ class ConfigError(FedicError):
     Attributes
     ----------
     key : str
-        Dotted name of the key at fault, such as ``"camera.focal"``; empty for the file as a whole.
+        Dotted name of the invalid key, such as ``"camera.focal"``; empty for the file as a whole.
     """
 
     def __init__(self, message: str = "", key: str = "") -> None:

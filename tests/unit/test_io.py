@@ -12,7 +12,7 @@ import pytest
 import tifffile
 
 import fedic
-from fedic.io.images import let_go, own_image
+from fedic.io.images import copy_if_writable, release_pages
 
 RNG = np.random.default_rng(0)
 GREY8 = RNG.integers(0, 256, (40, 50), dtype=np.uint8)
@@ -77,8 +77,8 @@ def test_read_images_are_writeable_and_mapped_images_are_read_only(tmp_path: Pat
     assert read.flags.writeable
     assert not fixed.flags.writeable
     # Only writeable images are copied.
-    assert own_image(fixed, "reference") is fixed
-    assert not np.shares_memory(own_image(read, "reference"), read)
+    assert copy_if_writable(fixed, "reference") is fixed
+    assert not np.shares_memory(copy_if_writable(read, "reference"), read)
     # The image that was read does not depend on the file.
     stored = read.copy()
     del fixed
@@ -98,14 +98,14 @@ def test_writeable_images_are_copied(tmp_path: Path) -> None:
         np.frombuffer(memoryview(buffer).toreadonly(), np.uint8).reshape(GREY8.shape),
         tifffile.memmap(tmp_path / "grey.tif", mode="r+"),
     ):
-        kept = own_image(image, "reference")
+        kept = copy_if_writable(image, "reference")
         np.testing.assert_array_equal(kept, image)
         assert not np.shares_memory(kept, image)
     for image in (
         np.frombuffer(bytes(buffer), np.uint8).reshape(GREY8.shape),
         tifffile.memmap(tmp_path / "grey.tif", mode="r"),
     ):
-        assert np.shares_memory(own_image(image, "reference"), image)
+        assert np.shares_memory(copy_if_writable(image, "reference"), image)
 
 
 def test_releasing_the_memory_of_an_image_keeps_its_values(tmp_path: Path) -> None:
@@ -114,7 +114,7 @@ def test_releasing_the_memory_of_an_image_keeps_its_values(tmp_path: Path) -> No
     private += 1
     for image in (private, GREY8.copy()):
         kept = np.array(image)
-        let_go(image)
+        release_pages(image)
         np.testing.assert_array_equal(image, kept)
 
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
-from fedic.starts.fft import uniform_start
+from fedic.starts.fft import initial_translation
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 MOTION = (1.3, -0.6)
@@ -131,7 +131,7 @@ def test_fft_start_finds_a_large_motion(shape: tuple[int, int], extent: float) -
     camera = fedic.FrontParallel(4.0, (width / 2, height / 2))
     half = np.array([width, height]) * extent / 8.0
     mesh = fedic.rectangle_mesh((-half[0], -half[1], half[0], half[1]), size=float(half[0]))
-    start = uniform_start(reference, deformed, mesh, camera)
+    start = initial_translation(reference, deformed, mesh, camera)
     np.testing.assert_allclose(start, np.tile((shift_u / 4.0, -shift_v / 4.0), (mesh.num_nodes, 1)), atol=1e-9)
 
 
@@ -141,17 +141,17 @@ def test_fft_start_ignores_unused_nodes(speckle_pair: Pair) -> None:
     camera = fedic.Pinhole((1000, 1000), (100, 80), translation=(0, 0, 1.0), distortion=lens)
     mesh = fedic.rectangle_mesh((-0.05, -0.04, 0.05, 0.04), 0.02)
     far = fedic.Mesh(np.vstack([mesh.points, [[5.0, 5.0]]]), mesh.cells)
-    start = uniform_start(*speckle_pair, far, camera)
-    np.testing.assert_array_equal(start[:-1], uniform_start(*speckle_pair, mesh, camera))
+    start = initial_translation(*speckle_pair, far, camera)
+    np.testing.assert_array_equal(start[:-1], initial_translation(*speckle_pair, mesh, camera))
     np.testing.assert_array_equal(start[-1], 0.0)
 
 
 def test_fft_start_refuses_flat_images_and_small_regions() -> None:
     flat = np.zeros((100, 100), dtype=np.uint8)
     with pytest.raises(fedic.SolveError, match="no texture"):
-        uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 60, 60), 20), fedic.ImageFrame())
+        initial_translation(flat, flat, fedic.rectangle_mesh((20, 20, 60, 60), 20), fedic.ImageFrame())
     with pytest.raises(fedic.SolveError, match="covers only 5 x 5 px"):
-        uniform_start(flat, flat, fedic.rectangle_mesh((20, 20, 24, 24), size=2), fedic.ImageFrame())
+        initial_translation(flat, flat, fedic.rectangle_mesh((20, 20, 24, 24), size=2), fedic.ImageFrame())
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk"])

@@ -13,7 +13,7 @@ from fedic.demo.scene import HEIGHT, LEVELS, MILLIMETRES, PRINCIPAL_POINT, RADIA
 from fedic.experiments import Request, run_experiment
 from fedic.experiments.lens_errors import measure
 from fedic.experiments.option_sets import DEFAULT
-from fedic.starts.fft import translation_start
+from fedic.starts.fft import rigid_translation
 from interruption import interrupt, read_line, script
 
 SHAPE = (180, 240)
@@ -210,7 +210,7 @@ def test_motions_of_half_the_image_are_found(motion: tuple[float, float]) -> Non
     world = (2.0 * motion[0] * 0.7, -2.0 * motion[1] * 0.7)
     images = [fedic.synthetic.render(texture, camera, (700, 900), displacement=m) for m in (None, world)]
     mesh = fedic.rectangle_mesh((-600.0, -900.0, 1200.0, 500.0), 100.0)
-    assert_allclose(translation_start(images[0], images[1], mesh, camera), world, rtol=0, atol=1.0)
+    assert_allclose(rigid_translation(images[0], images[1], mesh, camera), world, rtol=0, atol=1.0)
 
 
 def test_a_rotated_specimen_and_a_strong_lens_are_found_from_a_rough_start() -> None:

@@ -70,7 +70,7 @@ def read_tables(path: Path, what: str) -> dict[str, Any]:
     path : Path
         The file.
     what : str
-        How messages call it, such as ``"configuration"``.
+        Kind of file in messages, such as ``"configuration"``.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def read_tables(path: Path, what: str) -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        If the file is missing or is not TOML.
+        If the file is missing or not TOML.
     """
     try:
         tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -1,7 +1,6 @@
 """Calibration of a camera from images of a flat target.
 
-`fedic.calibrate` does all of it; this package also has its parts. A lens model beyond the coefficients of
-`fedic.BrownDistortion` starts in `fedic.calibration.lenses`, where the words of `distortion` are read.
+`fedic.calibrate` is the whole procedure; `find_target` and `calibrate_points` are its two halves.
 """
 
 from fedic.calibration._from_images import calibrate

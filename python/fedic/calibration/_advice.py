@@ -1,4 +1,4 @@
-"""What would make a calibration better, in sentences."""
+"""Advice on how to improve a calibration."""
 
 from itertools import islice
 
@@ -18,14 +18,14 @@ _LARGE_ERROR = 0.5
 
 
 def view_advice(accepted: int, error: float) -> list[str]:
-    """Judge the number of views and what the model leaves unexplained, in pixels."""
+    """Judge the number of views and the reprojection error in pixels."""
     advice = []
     if accepted < _FEW_VIEWS:
-        advice.append(f"Only {accepted} views count: take 10 to 20.")
+        advice.append(f"Only {accepted} views are used: take 10 to 20.")
     if error > _LARGE_ERROR:
         advice.append(
-            f"The points are {error:.2g} px off: the images are blurred, the target is not flat, or the lens needs a "
-            "richer model."
+            f"The reprojection error is {error:.2g} px: the images are blurred, the target is not flat, or the lens "
+            "needs a model with more parameters."
         )
     return advice
 
@@ -36,7 +36,7 @@ def tilt_advice(rotations: Floats) -> list[str]:
     Parameters
     ----------
     rotations : ndarray, shape (n, 3, 3)
-        From the target to the camera.
+        Rotations from the target to the camera.
 
     Returns
     -------
@@ -61,12 +61,12 @@ def tilt_advice(rotations: Floats) -> list[str]:
 
 
 def coverage_advice(pixels: Floats, image_size: tuple[int, int]) -> list[str]:
-    """Name the corners of the image that no point comes near.
+    """Name the corners of the image without points nearby.
 
     Parameters
     ----------
     pixels : ndarray, shape (n, 2)
-        All the points that count.
+        All points used.
     image_size : (int, int)
         Width and height.
 
@@ -89,7 +89,7 @@ def coverage_advice(pixels: Floats, image_size: tuple[int, int]) -> list[str]:
         return []
     noun = "corner" if len(bare) == 1 else "corners"
     return [
-        f"No point of the target comes near the {noun} {', '.join(bare)} of the image: the lens is extrapolated there; "
+        f"No point of the target is near the {noun} {', '.join(bare)} of the image: the lens is extrapolated there; "
         "add views with the target in it."
     ]
 
@@ -97,7 +97,7 @@ def coverage_advice(pixels: Floats, image_size: tuple[int, int]) -> list[str]:
 def parameter_advice(
     parameters: dict[str, float], deviations: dict[str, float], image_size: tuple[int, int]
 ) -> list[str]:
-    """Name the parameters the views hardly constrain.
+    """Name the parameters that the views hardly determine.
 
     Parameters
     ----------
@@ -130,20 +130,21 @@ def parameter_advice(
     ]
     if weak:
         advice.append(
-            f"Not told from zero: {', '.join(weak)}. A simpler lens model would do, or more views near the borders."
+            f"Not significantly different from zero: {', '.join(weak)}. Use a simpler lens model, or add views near "
+            "the borders."
         )
     return advice
 
 
 def correlation_advice(names: tuple[str, ...], covariance: Floats) -> list[str]:
-    """Name the pair of parameters that can best take each other's place.
+    """Name the most correlated pair of parameters.
 
     Parameters
     ----------
     names : tuple of str
         The parameters.
     covariance : ndarray, shape (p + ..., p + ...)
-        Theirs first.
+        Covariance that begins with these parameters.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""`calibrate`: from images of a target to a camera."""
+"""Calibration of a camera from images of a target."""
 
 import glob
 from collections import Counter
@@ -7,9 +7,9 @@ from os import PathLike, fspath
 from typing import TypeAlias
 
 from fedic._internal.types import Image, StrPath
-from fedic.calibration._from_points import assembled, explained_fit
+from fedic.calibration._from_points import build_result, fit_or_explain
 from fedic.calibration._result import Calibration
-from fedic.calibration.detection import NotFoundError, find_target, refined
+from fedic.calibration.detection import NotFoundError, find_target, refine_points
 from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
@@ -33,29 +33,30 @@ def calibrate(
 ) -> Calibration:
     """Calibrate a camera from images of a flat target.
 
-    The points are found, a first camera is fitted, the points are measured again in the plane of the target, free of
-    the errors of perspective and lens (`fedic.calibration.detection`), and the camera is fitted again. Views and points
-    that do not belong are left out, see `fedic.calibration._adjustment.fit` for the rule.
+    The points are detected, a first camera is fitted, the points are refined in the plane of the target, free of the
+    errors of perspective and lens (`fedic.calibration.detection`), and the camera is fitted again. Outliers among
+    views and points are left out (`fedic.calibration._adjustment.fit`).
 
     Parameters
     ----------
     images : sequence of paths or ndarrays (height, width), or a pattern such as ``"views/*.tif"``
-        Ten to twenty views with the target tilted about both axes, that reach the corners of the image.
+        Ten to twenty views with the target tilted about both axes, which reach the corners of the image.
     target : str or Target
-        Such as ``"chessboard:11x7:8"``, see `fedic.calibration.parse_target`; its unit of length becomes the world's.
+        Target, such as ``"chessboard:11x7:8"`` (see `fedic.calibration.parse_target`); its unit of length becomes the
+        world's.
     distortion : str or sequence of str
-        The lens model: ``"none"``, ``"radial1"``, ``"radial2"``, ``"radial3"``, ``"decentering"``, ``"prism"``,
-        ``"brown"`` (radial3 and decentering), or several such as ``"radial1+prism"``; or, of any shape, ``"spline"``
-        (`fedic.SplineDistortion`) and ``"inverse-spline"`` (`fedic.InverseSplineDistortion`).
+        Lens model: ``"none"``, ``"radial1"``, ``"radial2"``, ``"radial3"``, ``"decentering"``, ``"prism"``,
+        ``"brown"`` (radial3 and decentering), or several such as ``"radial1+prism"``; for a lens of any shape
+        ``"spline"`` (`fedic.SplineDistortion`) or ``"inverse-spline"`` (`fedic.InverseSplineDistortion`).
     view : int or str, optional
-        Whose pose the camera takes: index or name of an image; the first accepted if not given.
+        Index or name of the image whose pose the camera takes; by default the first accepted.
     progress : callable, optional
         Called with the `fedic.Progress` of the stages ``"detect"`` and ``"refine"``.
 
     Returns
     -------
     Calibration
-        The camera, its uncertainty, and what became of each view.
+        The camera, its uncertainty, and the residuals of each view.
 
     Raises
     ------
@@ -73,14 +74,14 @@ def calibrate(
     if len(found) < 2:
         raise CameraError(_too_few(plan, names, faults))
     seen = [observations[index] for index in found]
-    first = explained_fit(lens if isinstance(lens, BrownLens) else BROWN, seen, image_size)
+    first = fit_or_explain(lens if isinstance(lens, BrownLens) else BROWN, seen, image_size)
     for place, index in enumerate(found):
         pose = first.estimate.rotations[place], first.estimate.translations[place]
         camera = first.lens.camera(first.estimate.intrinsics, *pose)
-        seen[place] = refined(_load(sources[index], names[index]), plan, seen[place], camera)
+        seen[place] = refine_points(_load(sources[index], names[index]), plan, seen[place], camera)
         refined_views((place + 1) / len(found))
-    final = explained_fit(lens, seen, image_size)
-    return assembled(seen, found, names, faults, final, image_size, view)
+    final = fit_or_explain(lens, seen, image_size)
+    return build_result(seen, found, names, faults, final, image_size, view)
 
 
 def _sources(images: str | Sequence[Source]) -> list[Source]:
@@ -103,7 +104,7 @@ def _load(source: Source, name: str) -> Image:
 def _search(
     sources: list[Source], names: list[str], target: Target, report: Callable[[float], object]
 ) -> tuple[dict[int, Observation], dict[int, str], tuple[int, int]]:
-    """Return what is found in which image, why it is not in the others, and the size of the images."""
+    """Return the points found by image, the reasons for the images without, and the size of the images."""
     observations, faults, sizes = dict[int, Observation](), dict[int, str](), dict[int, tuple[int, int]]()
     for index, (source, name) in enumerate(zip(sources, names, strict=True)):
         try:

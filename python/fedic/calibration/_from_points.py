@@ -1,4 +1,4 @@
-"""`calibrate_points`: from points already found to a calibration, with its views and its advice."""
+"""Calibration of a camera from points of a target that are already found."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike
 from fedic._internal.determinacy import LARGEST_RELATIVE_DEVIATION
 from fedic.calibration._adjustment.fit import Fit, fit
 from fedic.calibration._adjustment.spline_fit import fit_spline
-from fedic.calibration._adjustment.start import start
+from fedic.calibration._adjustment.start import initial_estimate
 from fedic.calibration._advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
 from fedic.calibration._result import Calibration, View
 from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
-__all__ = ["assembled", "calibrate_points", "explained_fit"]
+__all__ = ["build_result", "calibrate_points", "fit_or_explain"]
 
 
 def calibrate_points(
@@ -32,18 +32,18 @@ def calibrate_points(
     Parameters
     ----------
     points : sequence of array_like, shape (n, 2) or (n, 3)
-        For each view the points of a flat target, with Z = 0.
+        Points of a flat target in each view, with Z = 0.
     pixels : sequence of array_like, shape (n, 2)
-        Where they are seen.
+        Their image points.
     image_size : (int, int)
         Width and height in pixels.
     distortion, view
-        As for `calibrate`; the views are called ``"image 0"``, ``"image 1"``, ...
+        See `calibrate`; the views are named ``"image 0"``, ``"image 1"``, ...
 
     Returns
     -------
     Calibration
-        The camera, its uncertainty, and what became of each view.
+        The camera, its uncertainty, and the residuals of each view.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def calibrate_points(
     seen = [_observation(index, *pair) for index, pair in pairs]
     names = [f"image {index}" for index in range(len(seen))]
     found = list(range(len(seen)))
-    return assembled(seen, found, names, {}, explained_fit(lens, seen, image_size), image_size, view)
+    return build_result(seen, found, names, {}, fit_or_explain(lens, seen, image_size), image_size, view)
 
 
 def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observation:
@@ -74,13 +74,13 @@ def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observatio
     return Observation(where, at)
 
 
-def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
-    """Fit a camera; where that fails, say what the directions of the views have to do with it.
+def fit_or_explain(lens: BrownLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
+    """Fit a camera; if that fails, add the likely cause in the directions of the views to the message.
 
     Parameters
     ----------
     lens : BrownLens or str
-        The model, or the word of a non-parametric one.
+        Lens model, or the name of a non-parametric one.
     seen : list of Observation
         One per view.
     image_size : (int, int)
@@ -100,7 +100,7 @@ def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tu
         found = fit_spline(lens, seen, image_size) if isinstance(lens, str) else fit(lens, seen, image_size)
         values, deviations = found.estimate.intrinsics[:2], np.sqrt(np.diag(found.covariance)[:2])
         if np.any(deviations > LARGEST_RELATIVE_DEVIATION * values):
-            raise CameraError(f"The views leave the focal length open: {values[0]:.4g} ± {deviations[0]:.2g} px.")
+            raise CameraError(f"The views do not determine the focal length: {values[0]:.4g} ± {deviations[0]:.2g} px.")
     except (CameraError, np.linalg.LinAlgError) as fault:
         what = str(fault) if isinstance(fault, CameraError) else "The views do not determine the camera."
         raise CameraError(" ".join([what, *_causes(seen, image_size)])) from None
@@ -108,14 +108,14 @@ def explained_fit(lens: BrownLens | str, seen: list[Observation], image_size: tu
 
 
 def _causes(seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
-    """Say what the directions of the views, as they are thought to be before the fit, have to do with its failure."""
+    """Return advice on the directions of the views, as estimated before the fit."""
     try:
-        return tilt_advice(start(BROWN, seen, image_size).rotations) if len(seen) > 1 else []
+        return tilt_advice(initial_estimate(BROWN, seen, image_size).rotations) if len(seen) > 1 else []
     except CameraError:
         return []
 
 
-def assembled(
+def build_result(
     seen: list[Observation],
     found: list[int],
     names: list[str],
@@ -124,29 +124,29 @@ def assembled(
     image_size: tuple[int, int],
     wanted: int | str | None,
 ) -> Calibration:
-    """Put a calibration together.
+    """Build the result of a calibration.
 
     Parameters
     ----------
     seen : list of Observation
-        What was found, in the views `found`.
+        Points of the views `found`.
     found : list of int
         Indices of the images in which the target was found.
     names : list of str
-        Of all the images.
+        Names of all images.
     faults : dict of int to str
-        Why it was not found in the others.
+        Reasons for the other images.
     final : Fit
         The fit to `seen`.
     image_size : (int, int)
         Width and height in pixels.
     wanted : int or str, optional
-        Whose pose the camera takes.
+        View whose pose the camera takes.
 
     Returns
     -------
     Calibration
-        The whole.
+        The result.
 
     Raises
     ------

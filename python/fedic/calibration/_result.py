@@ -1,4 +1,4 @@
-"""What a calibration found."""
+"""Result of a calibration."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,31 +19,31 @@ __all__ = ["Calibration", "View"]
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What became of one image.
+    """One image of a calibration.
 
     Attributes
     ----------
     name : str
-        The image file, or ``"image 3"`` for an array.
+        Image file, or ``"image 3"`` for an array.
     found, accepted : bool
-        Whether the target was found, and whether its points belong with those of the other views.
+        True if the target was found, and if its points are consistent with those of the other views.
     reason : str
-        Why it was not; empty if accepted.
+        Reason of a rejection; empty if accepted.
     points : ndarray, shape (n, 3)
-        Points of the target found; none if it was not.
+        Points of the target found; empty without.
     pixels : ndarray, shape (n, 2)
-        Where they are seen.
+        Their image points.
     residuals : ndarray, shape (n, 2)
-        Seen minus projected, in pixels.
+        Measured minus projected image points, in pixels.
     used : ndarray of bool, shape (n,)
-        The points that count; the others are too far off.
+        False for outliers, which are left out of the fit.
     initial_error, final_error : float
         Root mean square distance in pixels before the fit (focal length from the homographies, no lens) and after it
-        (of the points that count); NaN if not found.
+        (without outliers); NaN if not found.
     rotation : ndarray, shape (3, 3)
-        From the target to the camera; NaN if not found. See `fedic.calibration.Target` for the target's frame.
+        Rotation from the target to the camera; NaN if not found. See `fedic.calibration.Target` for the target's frame.
     translation : ndarray, shape (3,)
-        In the target's unit.
+        Translation in the target's unit.
     """
 
     name: str
@@ -62,31 +62,31 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Calibration(CameraResult):
-    """A calibrated camera, how well it is known, and from what.
+    """A calibrated camera, its uncertainty and its residuals.
 
     Attributes
     ----------
     camera : Pinhole
-        The camera; its world is the target as the view `view` sees it.
+        The camera; its world is the frame of the target in the view `view`.
     view : int
         Index of that view.
     reprojection_error : float
-        Root mean square distance, in pixels, of all the points that count.
+        Root mean square distance of the points used, in pixels.
     views : tuple of View
         One per image.
     parameters : dict of str to float
-        ``fx fy cx cy`` and the free ones of ``k1 k2 k3 d1 d2 p1 p2``.
+        ``fx fy cx cy`` and the free coefficients among ``k1 k2 k3 d1 d2 p1 p2``.
     standard_deviations : dict of str to float
-        Of each parameter, from the scatter of the points.
+        Standard deviation of each parameter, from the scatter of the points.
     covariance : ndarray, shape (p + 6 n, p + 6 n)
-        Of the parameters in their order, then for each of the n accepted views of a rotation about the camera's axes
-        (radians) and of the translation.
+        Covariance of the parameters in their order, then, for each of the n accepted views, of a rotation about the
+        camera's axes (radians) and of the translation.
     image_size : (int, int)
         Width and height in pixels.
     advice : list of str
-        What would make the calibration better; empty if nothing.
+        Sentences on how to improve the calibration; empty if it is good.
     distortion : str
-        The lens model.
+        Lens model.
     """
 
     camera: Pinhole

@@ -16,7 +16,7 @@ from fedic.io.images import as_image
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
 from fedic.result import Iteration
-from fedic.starts.fft import translation_start
+from fedic.starts.fft import rigid_translation
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -28,41 +28,41 @@ __all__ = ["SpecimenCalibration", "calibrate_on_specimen"]
 _LARGEST_DISPLACEMENT = 0.01
 """Displacement of a point by a standard deviation of a parameter, in image diagonals, from which advice is given."""
 _SMALL_MOTION = 0.1
-"""Part of the image's shorter side that the largest motion should exceed."""
+"""Largest motion, relative to the shorter side of the image, below which advice is given."""
 _ONE_LINE = 0.1
-"""Extent of the motions across their main direction, relative to that along it."""
+"""Extent of the motions across their main direction, relative to that along it, below which advice is given."""
 _LENS = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
 
 
 @dataclass(frozen=True, eq=False)
 class SpecimenCalibration:
-    """A camera found on the specimen.
+    """A camera calibrated on the specimen.
 
     Attributes
     ----------
     camera : Pinhole
         The camera.
     parameters : tuple of str
-        The parameters found, in the order of `covariance`.
+        Estimated parameters, in the order of `covariance`.
     covariance : ndarray of float64, shape (p, p)
-        Of the parameters; rotations in radians about the camera's axes.
+        Covariance of the parameters; rotations in radians about the camera's axes.
     motions : ndarray of float64, shape (n, 6)
         Rigid motion of the specimen in each image: translation along ``X, Y, Z`` in the mesh's unit, and rotation
-        vector in radians about the middle of the mesh (the mean of its nodes).
+        vector in radians about the centre of the mesh (the mean of its nodes).
     motion_standard_deviations : ndarray of float64, shape (n, 6)
-        Their standard deviations; 0 for what was held.
+        Standard deviations of the motions; 0 for components that were held.
     history : list of Iteration
-        Every iteration, coarsest level first; the corrections are root mean squares of what moves in the images.
+        Every iteration, coarsest level first; the corrections are root mean square displacements in the images.
     converged : bool
-        Whether the last correction was within the tolerance.
+        True if the last correction was within the tolerance.
     residual_rms : float
-        Standard deviation of the grey levels of an image, as filtered, about the texture that all images share.
+        Root mean square difference between the grey levels of an image, as filtered, and the texture of all images.
     noise : float
-        Standard deviation of the noise of an image as recorded that the covariance stands on, in grey levels.
+        Standard deviation of the noise of an image as recorded, in grey levels, on which the covariance is based.
     num_points : int
         Number of quadrature points.
     advice : list of str
-        What would make the calibration better, a sentence each; empty where nothing is amiss.
+        Sentences on how to improve the calibration; empty if it is good.
     """
 
     camera: Pinhole
@@ -96,24 +96,24 @@ def calibrate_on_specimen(
     progress: ProgressCallback | None = None,
     **options: "Unpack[SpecimenOptions]",
 ) -> SpecimenCalibration:
-    """Find parameters of the camera from rigid motions of the flat specimen: a calibration without a target.
+    """Calibrate a camera from rigid motions of the flat specimen, without a target.
 
-    The same texture must show in all images once they are brought back through the camera and the motions. That
-    determines the lens and the tilt of the camera, but not the scale (``fx``, ``fy`` and ``tz`` together, unless the
-    translations are known) nor the place of the specimen in its plane (``tx``, ``ty``, ``rz``). Motions of a third of
-    the field of view in two directions or more are best; three images do.
+    All images show one texture, seen through the camera after the motions. That determines the lens and the tilt of
+    the camera, but neither the scale (``fx``, ``fy`` and ``tz`` together, unless the translations are known) nor the
+    position of the specimen in its plane (``tx``, ``ty``, ``rz``). Motions by a third of the field of view in at least
+    two directions are best; three images are enough.
 
     Parameters
     ----------
     reference : ndarray of uint8, uint16 or float32, shape (height, width)
-        The image of the specimen where the mesh is.
+        Image of the specimen in the position of the mesh.
     images : sequence of ndarray, each of shape (height, width)
-        Images of the specimen moved and not deformed.
+        Images of the specimen moved, not deformed.
     mesh : Mesh
-        Covers the part of the specimen to be used, in the plane: the more of the image, the better. It may reach beyond
-        the image, and its cells may be large.
+        Plane mesh of the part of the specimen to use, as large as possible. It may extend beyond the image, and its
+        cells may be large.
     camera : Pinhole
-        The start: its parameters and pose are kept but for those to be found.
+        Start; parameters that are not estimated, and the rest of the pose, are kept.
     parameters : sequence of str
         Any of ``k1, k2, k3, d1, d2, p1, p2`` (see `BrownDistortion`), ``cx, cy, fx, fy`` (pixels), ``rx, ry, rz``
         (rotation about the camera's axes, from where it is) and ``tx, ty, tz`` (translation).
@@ -127,7 +127,7 @@ def calibrate_on_specimen(
     Returns
     -------
     SpecimenCalibration
-        The camera, its uncertainty, and how it was reached.
+        The camera, its uncertainty, and the history of the iterations.
 
     Raises
     ------
@@ -137,21 +137,21 @@ def calibrate_on_specimen(
         If the camera is not a `Pinhole`, a parameter is unknown, or an option has the wrong type or lies outside its
         range.
     SolveError
-        If the specimen does not move, an image does not match, or the images do not determine a parameter: the message
-        names it.
+        If the specimen does not move, an image does not match, or the images do not determine a parameter, which the
+        message names.
 
     Notes
     -----
-    Minimised over the parameters, the motions ``T_j``, gains ``a_j``, offsets ``b_j`` and the texture ``m`` is
+    The parameters, the motions ``T_j``, gains ``a_j``, offsets ``b_j`` and the texture ``m`` minimise
 
         sum over j and X of [ a_j g_j(P(T_j X)) + b_j - m(X) ]^2
 
-    the reference image being one of the ``g_j``. For white noise of equal standard deviation in all images, of which
-    the residual tells the size, the covariance is ``noise^2 A^-1 B A^-1`` with ``A`` the normal matrix and ``B`` the
-    noise it gathers (see `Correlator.standard_deviations`). It holds what noise does, not what a wrong model does: a
-    specimen that is not flat, or that deforms.
+    where the reference image is one of the ``g_j``. For white noise of equal standard deviation in all images,
+    estimated from the residual, the covariance is ``noise^2 A^-1 B A^-1`` with the normal matrix ``A`` and the
+    covariance ``noise^2 B`` of the right-hand side (see `Correlator.standard_deviations`). It includes noise, not model
+    errors such as a specimen that is not flat or that deforms.
 
-    The pixels within 5 and 4 times the smoothing of the border are not used.
+    Pixels closer to the border than 5 px plus 4 times the smoothing are not used.
     """
     reference = as_image(reference, "reference")
     moved = _checked_images(reference, images)
@@ -217,7 +217,7 @@ def _start(
     if translations is None:
         if known:
             raise OptionError("known_translations needs the translations.", "known_translations")
-        return np.array([translation_start(reference, image, mesh, camera) for image in moved])
+        return np.array([rigid_translation(reference, image, mesh, camera) for image in moved])
     try:
         start = np.array(translations, dtype=np.float64)
     except (TypeError, ValueError):
@@ -234,7 +234,7 @@ def _start(
 def _advice(found: _core.SelfCalibration, names: tuple[str, ...], mesh: Mesh, size: tuple[int, int]) -> list[str]:
     advice = []
     if not found.converged:
-        advice.append("The iterations ended before they converged; allow more (max_iterations) or start closer.")
+        advice.append("The iterations did not converge; increase max_iterations or give a closer start.")
     deviations = dict(zip(names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
     for name, sensitivity in zip(names, found.sensitivities, strict=True):
         displacement = deviations[name] * sensitivity
@@ -260,14 +260,14 @@ def _advice_on_motions(found: _core.SelfCalibration, mesh: Mesh, size: tuple[int
     used = mesh.points[mesh.used_nodes]
     centre = np.zeros(3)
     centre[: used.shape[1]] = used.mean(axis=0)
-    ways = found.camera.project(centre + found.motions[:, :3]) - found.camera.project(centre[np.newaxis])
-    furthest, shorter_side = float(np.hypot(*ways.T).max()), min(size)
+    paths = found.camera.project(centre + found.motions[:, :3]) - found.camera.project(centre[np.newaxis])
+    furthest, shorter_side = float(np.hypot(*paths.T).max()), min(size)
     if furthest < _SMALL_MOTION * shorter_side:
         return [
             f"The specimen moves by {furthest:.0f} px at most, {furthest / shorter_side:.0%} of the image's shorter "
-            "side: the lens shows in proportion to the motion."
+            "side: the effect of the lens is proportional to the motion."
         ]
-    extents = np.linalg.svd(ways, compute_uv=False)
+    extents = np.linalg.svd(paths, compute_uv=False)
     if len(extents) < 2 or extents[1] < _ONE_LINE * extents[0]:
         return ["All motions lie along one line: move the specimen in a second direction too."]
     return []

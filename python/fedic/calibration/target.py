@@ -1,4 +1,4 @@
-"""Calibration targets: what a specification such as ``chessboard:11x7:8`` means, and where its points are."""
+"""Flat calibration targets, their specifications such as ``chessboard:11x7:8``, and their points."""
 
 import re
 from dataclasses import dataclass
@@ -35,12 +35,12 @@ class Target:
     Attributes
     ----------
     kind : {"chessboard", "circles", "asymmetric-circles", "charuco"}
-        What is printed on it.
+        Printed pattern.
     columns, rows : int
         Inner corners of a chessboard, circles of a row and rows of circles, squares of a ChArUco board.
     pitch : float
         Side of a square, distance of neighbouring circles, or of neighbouring rows of asymmetric circles; its unit is
-        that of the world. A wrong pitch scales the translations alone: no single camera can notice it.
+        that of the world. A wrong pitch scales the translations only: a single camera cannot detect it.
     marker : float
         Side of a ChArUco marker.
     dictionary : str
@@ -87,7 +87,7 @@ def parse_target(text: str) -> Target:
     Raises
     ------
     CameraError
-        If the specification has another form, or sizes no target can have.
+        If the specification has another form, or impossible sizes.
     """
     kind, *fields = text.strip().split(":")
     if kind not in _FORMS:
@@ -119,5 +119,5 @@ def _known_dictionary(text: str, name: str) -> str:
 
     known = [each for each in dir(cv2.aruco) if each.startswith("DICT_")]
     if name not in known:
-        raise CameraError(f"target {text!r}: {name!r} is no dictionary of markers; OpenCV knows {', '.join(known)}.")
+        raise CameraError(f"target {text!r}: {name!r} is not a dictionary of markers; OpenCV has {', '.join(known)}.")
     return name

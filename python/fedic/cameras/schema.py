@@ -72,7 +72,7 @@ class DistortionSection(Section):
 
 
 class SplineSection(Section):
-    """``[camera.distortion]``: a lens of any shape, as `fedic.write_camera` writes it."""
+    """``[camera.distortion]``: a lens of any shape, as written by `fedic.write_camera`."""
 
     model: Literal["spline", "inverse-spline"]
     domain: tuple[Real, Real, Real, Real]
@@ -82,7 +82,7 @@ class SplineSection(Section):
     @classmethod
     def _rectangular(cls, rows: list[list[tuple[float, float]]]) -> list[list[tuple[float, float]]]:
         if len({len(row) for row in rows}) != 1:
-            raise ValueError("should have rows of one length")
+            raise ValueError("should have rows of equal length")
         if len(rows) < 4 or len(rows[0]) < 4:
             raise ValueError("should have at least 4 rows of 4 pairs, for one interval along each axis")
         return rows
@@ -169,7 +169,7 @@ def parse_camera(path: Path, content: dict[str, Any]) -> Camera:
     ConfigError
         If a key is unknown, missing or wrong.
     CameraError
-        If the values make no camera.
+        If the values are not those of a camera.
     """
     if "file" in content:
         raise ConfigError(f"{path}: file names another camera file; this file should hold the camera itself.", "file")

@@ -1,4 +1,4 @@
-"""The TOML file of ``fedic run``: its keys, their checks, and messages that name the key at fault."""
+"""Configuration file of ``fedic run``."""
 
 import glob
 from pathlib import Path
@@ -29,7 +29,7 @@ from fedic._internal.sections import (
 )
 from fedic._internal.types import Camera
 from fedic.cameras.files import read_camera
-from fedic.cameras.poses import posed
+from fedic.cameras.poses import with_pose
 from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
@@ -40,7 +40,7 @@ __all__ = ["Config", "load_config"]
 
 
 def _expanded(value: object, info: ValidationInfo) -> object:
-    """Make one list of file names out of a name, a pattern, or a list of them."""
+    """Expand a file name, a pattern, or a list of them into a list of file names."""
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise ValueError("should be a file name, a pattern such as 'frame-*.tif', or a list of them")
@@ -52,7 +52,7 @@ def _expanded(value: object, info: ValidationInfo) -> object:
             continue
         matches = sorted(glob.glob(name, root_dir=folder))  # noqa: PTH207 - the pattern may be absolute
         if not matches:
-            raise ValueError(f"should match some file: {name!r} matches none in {folder}")
+            raise ValueError(f"should match a file: {name!r} matches none in {folder}")
         files += matches
     return files
 
@@ -116,7 +116,7 @@ class MeshSection(Section):
 
 
 class CameraFileSection(Section):
-    """``[camera]`` in a file of its own, fedic's or another package's; a pose given here takes the place of its own."""
+    """``[camera]`` from a camera file; a pose given here replaces that of the file."""
 
     file: InFolder
     number: Annotated[int, Field(strict=True, ge=0)] = 0
@@ -132,7 +132,7 @@ class CameraFileSection(Section):
             raise CameraError(
                 f"{self.file}: a {type(camera).__name__} has no pose; leave out rotation and translation."
             )
-        return posed(
+        return with_pose(
             camera,
             camera.rotation if self.rotation is None else np.asarray(self.rotation, dtype=np.float64),
             np.asarray(camera.translation if self.translation is None else self.translation),
@@ -198,14 +198,14 @@ def load_config(path: Path) -> Config:
     Returns
     -------
     Config
-        With absolute or current-folder-relative paths.
+        The configuration, with paths that are absolute or relative to the current folder.
 
     Raises
     ------
     ConfigError
         If the file is missing, is not TOML, or has an unknown, missing or wrong key.
     ImageError, MeshError, CameraError
-        If an image, mesh or camera it names does not exist, or that camera cannot be read.
+        If an image, mesh or camera it names does not exist, or the camera cannot be read.
     """
     content = read_tables(path, "configuration")
     try:

@@ -1,8 +1,9 @@
-"""The lens-distortion experiment: a large shift measured with and without the model of the lens.
+"""The lens-distortion demonstration: a large shift measured with and without the model of the lens.
 
 After section 5.2 of Pierré et al., "Unstructured finite element-based digital image correlation with enhanced
 management of quadrature and lens distortions": synthetic images of a plane through a real lens, moved by 400 and 200
-pixels. The lens bends the motion by hundredths of a pixel, which a measurement in pixels takes for displacement.
+pixels. The distortion changes the motion by hundredths of a pixel, which a measurement in pixels mistakes for
+displacement.
 """
 
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ _MAX_ITERATIONS = 400
 
 @dataclass(frozen=True, eq=False)
 class Demo:
-    """The images of the experiment and its two measurements.
+    """The images of the demonstration and its two measurements.
 
     Attributes
     ----------
@@ -51,7 +52,7 @@ def measure(
     *,
     progress: ProgressCallback | None = None,
 ) -> Demo:
-    """Make the images and measure them both ways.
+    """Render the images and measure them with and without the lens.
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ def write_demo(demo: Demo, folder: Path) -> None:
     Parameters
     ----------
     demo : Demo
-        From `measure`.
+        Result of `measure`.
     folder : Path
         An existing folder.
     """

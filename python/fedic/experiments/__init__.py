@@ -1,7 +1,7 @@
-"""The experiments behind every claim: each measures, draws, and says whether the claim holds.
+"""Experiments that check the claims on accuracy: each measures, draws, and evaluates its claims.
 
-`run_experiment` runs one by name. An experiment is a function from a `Request` to an `Outcome`, in a module of its own
-name; `write_outcome` and `write_report` put outcomes on disk.
+`run_experiment` runs one by name. An experiment is a function ``run`` from a `Request` to an `Outcome`, in a module of
+its name; `write_outcome` and `write_report` write outcomes to files. Nothing else imports this package.
 """
 
 from fedic.experiments.catalogue import EXPERIMENTS, run_experiment

@@ -33,17 +33,17 @@ def run_experiment(name: str, request: Request) -> Outcome:
     name : str
         One of `EXPERIMENTS`.
     request : Request
-        What it is to run on.
+        Its input.
 
     Returns
     -------
     Outcome
-        What it found.
+        Its outcome.
 
     Raises
     ------
     FedicError
-        If there is no such experiment, or an image does not do.
+        If there is no such experiment, or an image cannot be used.
     """
     if name not in EXPERIMENTS:
         raise FedicError(f"There is no experiment {name!r}; choose one of {', '.join(EXPERIMENTS)}, or all.")

@@ -1,4 +1,4 @@
-"""How far from the truth a measurement may start, and how many iterations it takes."""
+"""Convergence: the largest motions found from each start, and the numbers of iterations."""
 
 from typing import Any, Literal, TypeAlias
 
@@ -27,25 +27,25 @@ MESHES: tuple[tuple[CellName, int], ...] = (
     ("quad8", 40),
 )
 QUICK_MESHES: tuple[tuple[CellName, int], ...] = (("quad", 8), ("quad", 20), ("quad", 40))
-LADDERS: dict[str, tuple[float, ...]] = {
+MOTIONS: dict[str, tuple[float, ...]] = {
     "translation": (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 160, 200),
     "rotation": (0.5, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30),
     "stretch": (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30),
 }
-"""Pixels, degrees and percent; each ladder is climbed until the truth is missed."""
-QUICK_LADDERS: dict[str, tuple[float, ...]] = {
+"""Motions in pixels, degrees and percent, tried in order until one is not found."""
+QUICK_MOTIONS: dict[str, tuple[float, ...]] = {
     "translation": (1, 2, 4, 8, 48, 200),
     "rotation": (1, 4, 8),
     "stretch": (2, 10),
 }
 TURNS = (30.0, -30.0)
-"""Of the translations, in degrees: both must be found."""
+"""Directions of the translations in degrees; both must be found."""
 FOUND = 0.3
-"""Largest error, in pixels, of a node of a measurement that found the truth: more than noise does to the
-smallest elements, less than a wrong valley is away."""
+"""Largest error of a node, in pixels, of a measurement that found the motion: above the noise of the smallest elements,
+below the distance of a wrong minimum."""
 
 NEAR = Motion("translation", 1.0, 30.0)
-"""The motion that iterations are counted on, from zero."""
+"""Motion for which iterations are counted, from zero."""
 SETTINGS: dict[str, dict[str, Any]] = {
     "default": {},
     "tolerance 1e-2 px": {"tolerance": 1e-2},
@@ -73,12 +73,12 @@ SETTINGS: dict[str, dict[str, Any]] = {
 
 
 def run(request: Request) -> Outcome:
-    """Climb the ladders of motions from each start, and count iterations from within a pixel.
+    """Find the largest motions from each start, and count iterations from within a pixel.
 
     Parameters
     ----------
     request : Request
-        Its image, where given, is measured beside the synthetic one.
+        Its image, if given, is measured in addition to the synthetic one.
 
     Returns
     -------
@@ -91,10 +91,10 @@ def run(request: Request) -> Outcome:
     claims: list[Claim] = []
     done = 0
     for scene in found:
-        climber = _Climber(scene, QUICK_LADDERS if request.quick else LADDERS)
+        study = _SceneStudy(scene, QUICK_MOTIONS if request.quick else MOTIONS)
         own: list[Row] = []
         for cell, size in meshes:
-            own += climber.basins(cell, size) + climber.iterations(cell, size)
+            own += study.basins(cell, size) + study.iterations(cell, size)
             done += 1
             request.report(done / (len(found) * len(meshes)))
         rows += own
@@ -125,21 +125,21 @@ is named.
 """
 
 
-class _Climber:
-    """One scene: its moved images are made once."""
+class _SceneStudy:
+    """Measurements of one scene, whose moved images are cached."""
 
-    def __init__(self, scene: Scene, ladders: dict[str, tuple[float, ...]]) -> None:
+    def __init__(self, scene: Scene, motions: dict[str, tuple[float, ...]]) -> None:
         self._scene = scene
-        self._ladders = ladders
+        self._motions = motions
         self._images: dict[Motion, Image] = {}
 
     def basins(self, cell: CellName, size: int) -> list[Row]:
-        """Climb every ladder from every start, up to the first failure."""
+        """Measure growing motions from every start, up to the first failure."""
         correlator = Correlator(self._scene.reference, self._scene.mesh(size, cell))
         rows: list[Row] = []
         for start in STARTS:
-            for kind, ladder in self._ladders.items():
-                for amount in ladder:
+            for kind, amounts in self._motions.items():
+                for amount in amounts:
                     turns = TURNS if kind == "translation" else (0.0,)
                     tried = [
                         self._measure(correlator, Motion(kind, float(amount), turn), (cell, size), "basin", start)

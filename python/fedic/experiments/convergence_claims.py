@@ -1,4 +1,4 @@
-"""What the ladders of motions and the counts of iterations say, and whether it is so."""
+"""Claims of the convergence experiment."""
 
 from collections.abc import Iterator
 
@@ -20,12 +20,12 @@ def reached(rows: list[Row]) -> dict[tuple[str, str, str, int], float]:
     Parameters
     ----------
     rows : list of dict
-        Of one image.
+        Rows of one image.
 
     Returns
     -------
     dict
-        From start, motion, cell and size to pixels, degrees or percent; 0 where the first was missed.
+        Pixels, degrees or percent by start, motion, cell and size; 0 if the first motion was not found.
     """
     most: dict[tuple[str, str, str, int], float] = {}
     missed: set[tuple[str, str, str, int, float]] = set()
@@ -41,17 +41,17 @@ def reached(rows: list[Row]) -> dict[tuple[str, str, str, int], float]:
 
 
 def claims_of(rows: list[Row]) -> list[Claim]:
-    """Draw the conclusions from the rows of one image.
+    """Evaluate the claims on one image.
 
     Parameters
     ----------
     rows : list of dict
-        Of one image.
+        Rows of one image.
 
     Returns
     -------
     list of Claim
-        With their verdicts.
+        Evaluated claims.
     """
     return [*_of_starts(rows), *_of_iterations(rows)]
 

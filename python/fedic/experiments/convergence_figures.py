@@ -1,4 +1,4 @@
-"""Pictures of the convergence experiment."""
+"""Figures of the convergence experiment."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -29,12 +29,12 @@ def basin_figure(rows: list[Row]) -> Figure:
     Parameters
     ----------
     rows : list of dict
-        All images.
+        Rows of all images.
 
     Returns
     -------
     Figure
-        A row of panels per image.
+        A figure with a row of panels per image.
     """
     images = list(dict.fromkeys(str(row["image"]) for row in rows))
     figure = Figure(figsize=(15.0, 4.1 * len(images)), layout="constrained")
@@ -62,17 +62,17 @@ def basin_figure(rows: list[Row]) -> Figure:
 
 
 def iteration_figure(rows: list[Row]) -> Figure:
-    """Draw the iterations that each setting takes from within a pixel.
+    """Draw the number of iterations of each set of options from within a pixel.
 
     Parameters
     ----------
     rows : list of dict
-        All images.
+        Rows of all images.
 
     Returns
     -------
     Figure
-        A panel per image, settings downwards.
+        A figure with a panel per image and a line per set of options.
     """
     counted = [row for row in rows if row["study"] == "iterations"]
     images = list(dict.fromkeys(str(row["image"]) for row in counted))

@@ -1,4 +1,4 @@
-"""The star of the DIC Challenge 2.0: a vertical wave whose period grows along the image, and the meshes laid on it."""
+"""Star of the DIC Challenge 2.0, a vertical wave whose period grows along the image, and meshes on it."""
 
 import math
 from dataclasses import dataclass
@@ -11,16 +11,16 @@ from fedic._internal.types import CellName, Floats, Image
 from fedic.errors import ImageError
 from fedic.synthetic import Speckle, render
 
-__all__ = ["AMPLITUDE", "Laid", "Star", "period_at", "real_star", "star_mesh", "synthetic_star", "turned_mesh"]
+__all__ = ["AMPLITUDE", "Star", "StarMesh", "period_at", "real_star", "star_mesh", "synthetic_star", "turned_mesh"]
 
 AMPLITUDE = 0.5
-"""Of the vertical motion, in pixels."""
+"""Amplitude of the vertical motion, in pixels."""
 _SHORTEST_PERIOD, _PERIOD_SLOPE = 10.0, 0.0725
 _SHAPE, _QUICK_SHAPE = (501, 4000), (301, 1800)
 _CALM_BAND = (0.625, 0.975)
-"""Part of the width over which the noise is taken: 2500 to 3900 of the 4000 px."""
+"""Part of the width in which the noise is evaluated: 2500 to 3900 of the 4000 px."""
 _EDGE = 2.0
-"""Pixels kept between the mesh and the borders of the image."""
+"""Distance between the mesh and the borders of the image, in pixels."""
 
 _SPECKLE, _LEVELS = 4.8, (0.15, 0.757)
 _READ_NOISE, _SHOT_NOISE = 0.84, 0.032
@@ -33,7 +33,7 @@ class Star:
     Attributes
     ----------
     name : str
-        What it is called in tables and pictures.
+        Name in tables and figures.
     reference, deformed : ndarray, shape (height, width)
         The images.
     """
@@ -54,23 +54,23 @@ class Star:
 
     @property
     def calm_columns(self) -> Floats:
-        """Columns over which the noise is taken, where the wave is long."""
+        """Columns in which the noise is evaluated, of long periods."""
         first, last = (round(part * self.width) for part in _CALM_BAND)
         return np.arange(first + 1.0, last)
 
 
 @dataclass(frozen=True, eq=False)
-class Laid:
-    """A mesh laid on the star.
+class StarMesh:
+    """A mesh on the star.
 
     Attributes
     ----------
     mesh : Mesh
-        In the image frame, a node on the crest.
+        Mesh in pixels, with nodes on the crest.
     size : float
         Edge of its elements, in pixels.
     reach : float
-        Pixels above and below the crest that it covers.
+        Extent above and below the crest, in pixels.
     """
 
     mesh: Mesh
@@ -79,28 +79,27 @@ class Laid:
 
 
 def period_at(columns: Floats) -> Floats:
-    """Return the period of the wave at some columns, both in pixels."""
+    """Return the period of the wave at given columns, both in pixels."""
     return _SHORTEST_PERIOD + _PERIOD_SLOPE * columns
 
 
 def synthetic_star(*, quick: bool) -> Star:
-    """Render a pair like the real one.
+    """Render a pair similar to the real one.
 
     Speckle, contrast and noise are those estimated from the real pair. Its grey levels have a standard deviation of
-    37.8 and a gradient of 19.7 levels per pixel (root mean square of each component). Its noise is that of the
-    difference between the reference and the deformed image brought back by the true motion, where this motion is
-    below 0.02 px and no interpolation smooths: 2.1 grey levels in each image on the average, of a variance that
-    grows with the grey level ``g`` as ``0.84**2 + 0.032 g``.
+    37.8 and a gradient of 19.7 levels per pixel (root mean square of each component). Its noise is estimated from the
+    difference between the reference and the deformed image where the motion is below 0.02 px: 2.1 grey levels on
+    average in each image, with a variance of ``0.84**2 + 0.032 g`` at grey level ``g``.
 
     Parameters
     ----------
     quick : bool
-        Smaller images, the wave at the same columns.
+        Smaller images with the same wave.
 
     Returns
     -------
     Star
-        Of 8 bits.
+        Images of 8 bits.
     """
     shape = _QUICK_SHAPE if quick else _SHAPE
     middle = (shape[0] - 1) / 2
@@ -125,7 +124,7 @@ def synthetic_star(*, quick: bool) -> Star:
 
 
 def real_star(pair: tuple[Image, Image]) -> Star:
-    """Take the published pair.
+    """Return the published pair.
 
     Parameters
     ----------
@@ -140,7 +139,7 @@ def real_star(pair: tuple[Image, Image]) -> Star:
     Raises
     ------
     ImageError
-        If they have not the shape of the pair.
+        If the images do not have the shape of the pair.
     """
     if any(image.shape != _SHAPE for image in pair):
         found = " and ".join("x".join(map(str, image.shape)) for image in pair)
@@ -151,8 +150,8 @@ def real_star(pair: tuple[Image, Image]) -> Star:
     return Star("real", *pair)
 
 
-def star_mesh(star: Star, size: float, cell: CellName, shift: tuple[float, float] = (0.0, 0.0)) -> Laid:
-    """Lay a regular mesh, symmetric about the crest and with a line of nodes on it.
+def star_mesh(star: Star, size: float, cell: CellName, shift: tuple[float, float] = (0.0, 0.0)) -> StarMesh:
+    """Make a regular mesh, symmetric about the crest and with a line of nodes on it.
 
     Parameters
     ----------
@@ -161,14 +160,14 @@ def star_mesh(star: Star, size: float, cell: CellName, shift: tuple[float, float
     size : float
         Edge of the elements, in pixels.
     cell : str
-        Their kind.
+        Cell type.
     shift : (float, float)
-        Parts of an element by which the mesh is moved to the right and downwards; a part of an element downwards takes
-        the line of nodes off the crest.
+        Shift of the mesh to the right and downwards, relative to an element; a shift downwards moves the line of nodes
+        off the crest.
 
     Returns
     -------
-    Laid
+    StarMesh
         The mesh.
     """
     left, lowest = _EDGE + shift[0] * size, star.middle - _EDGE
@@ -176,11 +175,11 @@ def star_mesh(star: Star, size: float, cell: CellName, shift: tuple[float, float
     right = left + size * ((star.width - 3.0 - left) // size)
     centre = star.middle + shift[1] * size
     mesh = rectangle_mesh((left, centre - half, right, centre + half), size, cell)
-    return Laid(mesh, size, half - abs(shift[1]) * size)
+    return StarMesh(mesh, size, half - abs(shift[1]) * size)
 
 
-def turned_mesh(star: Star, size: float, cell: CellName, degrees: float) -> Laid:
-    """Lay a regular mesh turned about a node on the crest, of the elements that fall in the image.
+def turned_mesh(star: Star, size: float, cell: CellName, degrees: float) -> StarMesh:
+    """Make a regular mesh rotated about a node on the crest, of the elements inside the image.
 
     Parameters
     ----------
@@ -189,13 +188,13 @@ def turned_mesh(star: Star, size: float, cell: CellName, degrees: float) -> Laid
     size : float
         Edge of the elements, in pixels.
     cell : str
-        Their kind.
+        Cell type.
     degrees : float
-        The angle; at 45 and 135 the diagonals of the elements lie on the crest, nodes at their ends.
+        Angle; at 45 and 135 the diagonals of the elements lie on the crest, with nodes at their ends.
 
     Returns
     -------
-    Laid
+    StarMesh
         The mesh; its upper and lower edges are ragged.
     """
     half = size * math.ceil(star.width / (2.0 * size) + 1.0)
@@ -208,4 +207,4 @@ def turned_mesh(star: Star, size: float, cell: CellName, degrees: float) -> Laid
     cells = cells[((points >= _EDGE) & (points <= far)).all(axis=1)[cells].all(axis=1)]
     used, renumbered = np.unique(cells, return_inverse=True)
     mesh = Mesh(points[used], {cell: renumbered.reshape(cells.shape)})
-    return Laid(mesh, size, star.middle - _EDGE - math.sqrt(2.0) * size)
+    return StarMesh(mesh, size, star.middle - _EDGE - math.sqrt(2.0) * size)

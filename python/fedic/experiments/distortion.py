@@ -1,4 +1,4 @@
-"""What each kind of lens distortion does to a large shift, with the lens in the projector and without it."""
+"""Effect of each kind of lens distortion on a large shift, with and without the lens in the projector."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from fedic._internal.types import CellName, Floats
 from fedic.demo.measurement import Measurement
 from fedic.demo.scene import FOCAL, MILLIMETRES, RADIAL, ImagePair, Scene
 from fedic.experiments.lens import ignored_distortion
-from fedic.experiments.lens_errors import measure, rounding_bound, sum_up
+from fedic.experiments.lens_errors import average_errors, measure, rounding_bound
 from fedic.experiments.option_sets import DEFAULT, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.reference_images import window_mesh
@@ -26,9 +26,9 @@ SIZE = 20
 CELL: CellName = "quad"
 SETTINGS = (UNFILTERED, DEFAULT)
 SENSOR = (340, 240, 1160, 860)
-"""Of the paper's sensor: around the mesh and where it comes to."""
+"""Part of the paper's sensor around the mesh in both images."""
 PIXEL_MOTION = (-400.3, -200.6)
-"""Not of whole pixels, by which undistorted images would be the same to the last bit, their rounding too."""
+"""Motion in pixels, not whole: undistorted images would otherwise be identical, including their rounding."""
 WIDE_FOCAL = 1400.0
 TEXTURES, QUICK_TEXTURES = 2, 1
 LARGEST_BIAS, NEAR_BOUND, NEAR_THEORY = 1e-4, 0.1, 0.03
@@ -41,22 +41,22 @@ _NONE = "none"
 
 @dataclass(frozen=True)
 class Series:
-    """A coefficient that is swept, the others being zero.
+    """Values of one coefficient, the others being zero.
 
     Attributes
     ----------
     name : str
-        Of the coefficient.
+        Name of the coefficient.
     distortion : callable
-        From its value to the lens.
+        Function from a value to the lens.
     values : tuple of float
-        Swept in a full run.
+        Values of a full run.
     quick_values : tuple of float
-        Swept in a quick one; perhaps none.
+        Values of a quick run; may be empty.
     panel, colour : str
-        Where and how it is drawn.
+        Panel and colour in the figure.
     focal : float
-        Of the camera, in pixels.
+        Focal length in pixels.
     """
 
     name: str
@@ -162,7 +162,7 @@ def _rows(name: str, value: float, scene: Scene, count: int) -> list[Row]:
                         "setting": setting.name,
                         "lens": lens,
                         "bits": bits,
-                        **sum_up(found).as_row(),
+                        **average_errors(found).as_row(),
                         "max_px": float(np.abs(errors).max()),
                         "rms_px": rms(errors),
                         "theory_rms_px": rms(theory),
@@ -174,7 +174,7 @@ def _rows(name: str, value: float, scene: Scene, count: int) -> list[Row]:
 
 
 def _measure(scene: Scene, pair: ImagePair, mesh: Mesh, setting: OptionSet, lens: bool) -> Measurement:
-    """Start half a pixel beside the truth: the search for the start of a wide angle is not the subject."""
+    """Measure from a start half a pixel from the truth, since the start is not the subject of this experiment."""
     truth = np.tile(scene.motion, (mesh.num_nodes, 1)) if lens else ignored_distortion(scene, mesh) + scene.pixel_motion
     start = truth + 0.5 * (MILLIMETRES if lens else 1.0)
     rule = setting.quadrature("mesh" if lens else "pixel")
@@ -182,7 +182,7 @@ def _measure(scene: Scene, pair: ImagePair, mesh: Mesh, setting: OptionSet, lens
 
 
 def _at_the_corner(scene: Scene) -> float:
-    """Distortion at the upper left corner of the whole sensor, in pixels."""
+    """Return the distortion at the upper left corner of the whole sensor, in pixels."""
     lens = Scene(scene.distortion, scene.focal).camera
     ideal = Scene(BrownDistortion(), scene.focal).camera
     corner = ideal.unproject([[0.0, 0.0]])

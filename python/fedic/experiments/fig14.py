@@ -19,11 +19,11 @@ SETTINGS = (PAPER, UNFILTERED, DEFAULT)
 CELLS: tuple[CellName, ...] = ("quad", "triangle")
 QUICK_SIZES = (10, 20)
 SMALLEST_CLAIMED = 10
-"""Element size, in pixels, from which the claims are made."""
+"""Smallest element size, in pixels, of the claims."""
 TEXTURES = 6
 LARGEST_BIAS, NEAR_BOUND = 1e-4, 0.1
 IGNORED_BIAS = (0.016, 0.020)
-"""Along ``u``, in pixels."""
+"""Expected bias along ``u`` without the lens, in pixels."""
 
 
 def run(request: Request) -> Outcome:
@@ -81,7 +81,7 @@ def run(request: Request) -> Outcome:
         f"average out over one mesh: the mean error of one pair is a draw of standard deviation {floor:.1e} px at "
         "best, whatever the method. The first texture in 16 bits shows the error without rounding. *paper*: bicubic "
         "interpolation, finite-difference gradients, diameter rule; *unfiltered*: the default without smoothing; "
-        "*default*: what `correlate` does when told nothing.",
+        "*default*: the default options of `correlate`.",
         rows,
         [claim for setting in SETTINGS for claim in _claims(setting, rows, floor)],
         {"": _figure(rows, floor)},
@@ -89,7 +89,7 @@ def run(request: Request) -> Outcome:
 
 
 def _pick(rows: list[Row], setting: OptionSet, kind: str, bits: int) -> list[Row]:
-    """Rows of the sizes that claims are made of."""
+    """Return the rows of the sizes of the claims."""
     return [
         row
         for row in rows

@@ -7,7 +7,7 @@ from fedic._internal.types import CellName, Floats
 from fedic.demo.measurement import Measurement
 from fedic.demo.scene import ImagePair, Scene
 from fedic.experiments.lens import ignored_distortion, rounding_floor, textures
-from fedic.experiments.lens_errors import measure, rounding_bound, sum_up
+from fedic.experiments.lens_errors import average_errors, measure, rounding_bound
 from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.reference_images import window_mesh
@@ -55,7 +55,7 @@ def run(request: Request) -> Outcome:
                         "setting": setting.name,
                         "quadrature": kind,
                         "bits": bits,
-                        **sum_up(each).as_row(),
+                        **average_errors(each).as_row(),
                         "bound_px": bound if bits == 8 else np.nan,
                         **_likeness(each, expected),
                     }

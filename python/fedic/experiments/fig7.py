@@ -1,4 +1,4 @@
-"""Fig. 7 of the paper: uncertainty and bias of the two quadratures over element size, under sub-pixel translations."""
+"""Fig. 7 of the paper: uncertainty and bias of both quadratures over element size, for sub-pixel translations."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +18,7 @@ SETTINGS = (PAPER, PAPER_SPLINES, UNFILTERED, DEFAULT)
 CELLS: tuple[CellName, ...] = ("quad", "triangle")
 QUICK_SIZES = (10, 20)
 SMALLEST_CLAIMED = 10
-"""Element size, in pixels, from which the claims are made."""
+"""Smallest element size, in pixels, of the claims."""
 GAIN, LARGEST_BIAS = 6.0, 1e-4
 
 
@@ -28,7 +28,7 @@ def run(request: Request) -> Outcome:
     Parameters
     ----------
     request : Request
-        Its image, where given, is measured beside the synthetic one.
+        Its image, if given, is measured in addition to the synthetic one.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def _measure(subject: ReferenceImage, sizes: tuple[int, ...], request: Request) 
 
 
 def _pick(rows: list[Row], image: str, setting: OptionSet, kind: str) -> dict[tuple[str, int], Row]:
-    """Rows of the sizes that claims are made of, by cell and size."""
+    """Return the rows of the sizes of the claims, by cell and size."""
     return {
         (row["cell"], row["size_px"]): row
         for row in rows

@@ -1,4 +1,4 @@
-"""Fig. 8 of the paper: how many quadrature points are enough."""
+"""Fig. 8 of the paper: error and noise over the number of quadrature points."""
 
 from itertools import product
 from typing import Literal
@@ -35,7 +35,7 @@ def run(request: Request) -> Outcome:
     Parameters
     ----------
     request : Request
-        Its image, where given, is measured beside the synthetic one.
+        Its image, if given, is measured in addition to the synthetic one.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Bias over the sub-pixel shift for every interpolation, gradient and smoothing, and what each costs in noise."""
+"""Bias over the sub-pixel shift and noise, for every interpolation, gradient and smoothing."""
 
 from itertools import product
 
@@ -37,7 +37,7 @@ def run(request: Request) -> Outcome:
     Parameters
     ----------
     request : Request
-        Its image, where given, is measured beside the synthetic one.
+        Its image, if given, is measured in addition to the synthetic one.
 
     Returns
     -------

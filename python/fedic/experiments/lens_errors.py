@@ -1,4 +1,4 @@
-"""Measuring the known motion of the scene with a lens, with and without the model of that lens."""
+"""Errors of the measured motion of the scene with a lens, with and without the model of the lens."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from fedic.experiments.outcome import Row
 from fedic.experiments.sweep import MAX_ITERATIONS, TOLERANCE, rms
 from fedic.quadrature import Quadrature
 
-__all__ = ["LensAccuracy", "measure", "measure_pairs", "rounding_bound", "sum_up"]
+__all__ = ["LensAccuracy", "average_errors", "measure", "measure_pairs", "rounding_bound"]
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class LensAccuracy:
     std : (float, float)
         Mean over the textures of the standard deviation of the error, in pixels.
     iterations : int
-        Most iterations.
+        Largest number of iterations.
     converged : bool
-        Whether all measurements converged. Where one could not be made the figures are NaN.
+        True if all measurements converged. The errors are NaN if one failed.
     num_points : int
         Quadrature points.
     """
@@ -72,25 +72,24 @@ def measure(
     Parameters
     ----------
     scene : Scene
-        Where the images come from.
+        Scene of the images.
     pair : ImagePair
         The images.
     mesh : Mesh
-        In pixels.
+        Mesh in pixels.
     setting : OptionSet
         Interpolation, gradient and smoothing.
     quadrature : Quadrature
-        Where the points lie.
+        Quadrature rule.
     lens : bool
-        Whether the mesh is brought to the plane, in millimetres, and projected by the calibrated camera; if not, it is
-        left in pixels.
+        See `fedic.demo.measurement.measure_pair`.
     initial : str or array_like
-        The start.
+        Start.
 
     Returns
     -------
     Measurement
-        With the errors of the nodes.
+        Result with the errors of the nodes.
 
     Raises
     ------
@@ -113,12 +112,12 @@ def measure(
 def measure_pairs(
     scene: Scene, pairs: Sequence[ImagePair], mesh: Mesh, setting: OptionSet, quadrature: Quadrature, *, lens: bool
 ) -> LensAccuracy:
-    """Measure several textures and sum up the errors.
+    """Measure several textures and average the errors.
 
     Parameters
     ----------
     scene : Scene
-        Where the images come from.
+        Scene of the images.
     pairs : sequence of ImagePair
         One per texture.
     mesh, setting, quadrature, lens
@@ -127,7 +126,7 @@ def measure_pairs(
     Returns
     -------
     LensAccuracy
-        Over the nodes and the textures.
+        Errors over the nodes and the textures.
     """
     found = []
     for pair in pairs:
@@ -135,10 +134,10 @@ def measure_pairs(
             found.append(measure(scene, pair, mesh, setting, quadrature, lens=lens))
         except SolveError:
             return LensAccuracy((np.nan, np.nan), (np.nan, np.nan), MAX_ITERATIONS, False, 0)
-    return sum_up(found)
+    return average_errors(found)
 
 
-def sum_up(found: Sequence[Measurement]) -> LensAccuracy:
+def average_errors(found: Sequence[Measurement]) -> LensAccuracy:
     """Average the errors of several measurements.
 
     Parameters
@@ -149,7 +148,7 @@ def sum_up(found: Sequence[Measurement]) -> LensAccuracy:
     Returns
     -------
     LensAccuracy
-        Over the nodes and the textures.
+        Errors over the nodes and the textures.
     """
     bias = np.abs([each.bias for each in found]).mean(axis=0)
     std = np.mean([each.std for each in found], axis=0)
@@ -168,11 +167,11 @@ def rounding_bound(scene: Scene, pair: ImagePair, mesh: Mesh) -> float:
     Parameters
     ----------
     scene : Scene
-        Where the images come from.
+        Scene of the images.
     pair : ImagePair
-        In 8 bits.
+        Images in 8 bits.
     mesh : Mesh
-        In pixels; measured through the camera, with one point per pixel and no smoothing.
+        Mesh in pixels; measured through the camera, with one point per pixel and no smoothing.
 
     Returns
     -------

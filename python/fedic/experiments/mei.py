@@ -1,4 +1,4 @@
-"""The figure of merit of the DIC Challenge 2.0: noise times the shortest period resolved."""
+"""Metrological efficiency indicator (MEI) of the DIC Challenge 2.0: noise times the shortest period resolved."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from fedic.result import Result
 __all__ = ["Field", "Measured", "Merit", "field_of", "measure_merit"]
 
 Field: TypeAlias = Callable[[Floats, Floats], Floats]
-"""A displacement field on the grid of some columns (m) and rows (n): shape (n, m, 2), NaN where it is not known."""
+"""A displacement field on a grid of columns (m) and rows (n): shape (n, m, 2), NaN where it is not known."""
 
 _RESOLVED = 0.9
 _AVERAGED = 40
 """Columns over which the amplitude is averaged."""
 _FIRST_COLUMN, _LAST_MARGIN = 10.0, 20.0
 _KEPT_ELEMENTS = 1.5
-"""Elements at the mesh's upper and lower edge that are left out of the noise."""
+"""Number of elements at the upper and lower edge of the mesh that are left out of the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,16 +32,16 @@ class Merit:
     Attributes
     ----------
     noise : float
-        Standard deviation of the horizontal displacement where the wave is long, in pixels.
+        Standard deviation of the horizontal displacement in the region of long periods, in pixels.
     period : float
         Shortest period at which the measured amplitude reaches nine tenths of the true one, in pixels.
     kept_period : float
-        Period, in pixels, from which on the amplitude stays above nine tenths. It is longer than `period` where the
-        amplitude does not rise steadily.
+        Period, in pixels, above which the amplitude stays above nine tenths; longer than `period` if the amplitude does
+        not increase monotonically.
     accurate_period : float
-        Period, in pixels, from which on the amplitude stays within a tenth of the true one.
+        Period, in pixels, above which the amplitude stays within a tenth of the true one.
     periods, amplitudes : ndarray, shape (m,)
-        The amplitude, as a part of the true one, over the period.
+        Amplitude, relative to the true one, over the period.
     """
 
     noise: float
@@ -58,7 +58,7 @@ class Merit:
 
     @property
     def kept_mei(self) -> float:
-        """The same with the period from which on the amplitude stays above nine tenths."""
+        """MEI with `kept_period` instead of `period`."""
         return self.noise * self.kept_period
 
     def as_row(self) -> dict[str, Any]:
@@ -75,26 +75,26 @@ class Merit:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """One way of measuring a star, judged.
+    """Noise and resolution of one variant of the measurement.
 
     Attributes
     ----------
     star : str
-        Which pair.
+        Pair of images.
     group : str
-        What it is compared with: ``sizes``, ``settings``, ``averages``, ``nodes`` or ``turned``.
+        Group of comparable variants: ``sizes``, ``settings``, ``averages``, ``nodes`` or ``turned``.
     variant : str
-        The way.
+        Variant.
     cell : str
-        Kind of the elements.
+        Cell type.
     size : int
-        Their edge, in pixels.
+        Edge of the elements, in pixels.
     merit : Merit
-        Its figures.
+        Noise and resolution.
     iterations : int
-        Most iterations of the measurements it is made of.
+        Largest number of iterations of its measurements.
     converged : bool
-        Whether they all converged.
+        True if all its measurements converged.
     """
 
     star: str
@@ -131,18 +131,18 @@ def field_of(result: Result) -> Field:
 
 
 def measure_merit(field: Field, star: Star, size: float, reach: float) -> Merit:
-    """Judge a field by the protocol.
+    """Evaluate noise and resolution of a field by the protocol of the challenge.
 
     Parameters
     ----------
     field : callable
         The field, evaluated at every pixel.
     star : Star
-        What was measured.
+        The star.
     size : float
         Edge of the elements, in pixels.
     reach : float
-        Pixels above and below the crest where the field is known.
+        Extent of the field above and below the crest, in pixels.
 
     Returns
     -------
@@ -162,15 +162,15 @@ def measure_merit(field: Field, star: Star, size: float, reach: float) -> Merit:
     return Merit(
         noise=noise,
         period=_crossing(periods, amplitudes, int(np.argmax(above)) if above.any() else len(above)),
-        kept_period=_crossing(periods, amplitudes, _for_good(above)),
-        accurate_period=_period_from(periods, _for_good(np.abs(amplitudes - 1.0) <= 1.0 - _RESOLVED)),
+        kept_period=_crossing(periods, amplitudes, _settled(above)),
+        accurate_period=_period_from(periods, _settled(np.abs(amplitudes - 1.0) <= 1.0 - _RESOLVED)),
         periods=periods,
         amplitudes=amplitudes,
     )
 
 
-def _for_good(fulfilled: NDArray[np.bool_]) -> int:
-    """Return the index from which on a condition is fulfilled."""
+def _settled(fulfilled: NDArray[np.bool_]) -> int:
+    """Return the first index after which a condition is always fulfilled."""
     return 0 if fulfilled.all() else len(fulfilled) - int(np.argmin(fulfilled[::-1]))
 
 

@@ -1,4 +1,4 @@
-"""Images moved by large known motions: translations, rotations and stretches about the middle of a mesh."""
+"""Images moved by large known motions: translations, rotations and stretches about the centre of a mesh."""
 
 import math
 from collections.abc import Callable
@@ -17,10 +17,10 @@ from fedic.synthetic import Speckle, render
 __all__ = ["Motion", "Scene", "scenes"]
 
 _WIDTH, _HEIGHT = 200.0, 240.0
-"""Of the mesh, in pixels."""
+"""Size of the mesh in pixels."""
 _CORNER = (0.3, 0.7)
 _MARGIN = 220
-"""Pixels around the mesh in the synthetic image: the largest translation and some more."""
+"""Margin around the mesh in the synthetic image, in pixels, above the largest translation."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,12 @@ class Motion:
     Attributes
     ----------
     kind : {"translation", "rotation", "stretch"}
-        The last along the columns.
+        Kind of motion; a stretch is along the columns.
     amount : float
-        Pixels, degrees or percent.
+        Amount in pixels, degrees or percent.
     turn : float
-        Degrees between a translation and the way to the middle of the image, or the columns where the mesh is there.
+        Angle in degrees between a translation and the direction to the centre of the image, or the columns if the mesh
+        is there.
     """
 
     kind: str
@@ -54,18 +55,18 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A reference image, where the mesh lies in it, and how to move it.
+    """A reference image with the position of the mesh, and its moved images.
 
     Attributes
     ----------
     name : str
-        What it is called in tables and pictures.
+        Name in tables and figures.
     reference : ndarray, shape (height, width)
         The image.
     corner : (float, float)
         Left and top of the mesh, in pixels.
     moved_image : callable
-        Takes a displacement gradient (2, 2) about the middle of the mesh and a translation (2,), and returns the image.
+        Function from a displacement gradient (2, 2) about the centre of the mesh and a translation (2,) to the image.
     """
 
     name: str
@@ -79,7 +80,7 @@ class Scene:
         return _middle(self.corner)
 
     def mesh(self, size: float, cell: CellName) -> Mesh:
-        """Lay a regular mesh."""
+        """Make a regular mesh."""
         left, top = self.corner
         return rectangle_mesh((left, top, left + _WIDTH, top + _HEIGHT), size, cell)
 
@@ -104,14 +105,14 @@ class Scene:
 
 
 def scenes(request: Request) -> list[Scene]:
-    """Return the synthetic scene and, where an image is given, the real one.
+    """Return the synthetic scene and, if an image is given, the real one.
 
-    The synthetic image is rendered anew for each motion; the real one is resampled by Lanczos interpolation.
+    The synthetic image is rendered for each motion; the real one is resampled by Lanczos interpolation.
 
     Parameters
     ----------
     request : Request
-        With the real image or without.
+        Request, with or without a real image.
 
     Returns
     -------

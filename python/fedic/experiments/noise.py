@@ -1,4 +1,4 @@
-"""Measured against predicted uncertainty, over noise, element size and kind of cell, by Monte Carlo."""
+"""Measured and predicted uncertainty over noise, element size and cell type, by Monte Carlo."""
 
 from itertools import product
 
@@ -25,9 +25,9 @@ CELLS: tuple[CellName, ...] = ("quad", "triangle", "quad8", "quad9", "triangle6"
 SETTINGS = (UNFILTERED, DEFAULT)
 NOISES, SIZES = (0.5, 1.0, 2.0, 4.0, 8.0), (8.0, 12.0, 20.0, 30.0)
 NOISE, SIZE = 2.0, 20.0
-"""Of the cases in which the other quantities vary."""
+"""Values for the cases in which other quantities vary."""
 MODERATE = 4.0
-"""Largest noise that claims are made of, in grey levels: about 15 % of the gradient per pixel."""
+"""Largest noise of the claims, in grey levels: about 15 % of the gradient per pixel."""
 DRAWS, DRAWS_OF_THE_MAP = 60, 2000
 QUICK_NOISES, QUICK_SIZES, QUICK_DRAWS, QUICK_DRAWS_OF_THE_MAP = (2.0,), (20.0,), 10, 200
 

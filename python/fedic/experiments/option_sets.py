@@ -1,4 +1,4 @@
-"""The ways of measuring that are compared."""
+"""Sets of options that are compared."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,16 +11,16 @@ __all__ = ["DEFAULT", "LEGEND", "PAPER", "PAPER_SPLINES", "UNFILTERED", "OptionS
 
 @dataclass(frozen=True)
 class OptionSet:
-    """A way of measuring.
+    """A set of options.
 
     Attributes
     ----------
     name : str
-        What it is called in tables and pictures.
+        Name in tables and figures.
     options : mapping
-        Options of `fedic.correlate` other than the quadrature; those left out have their default.
+        Options of `fedic.correlate` other than the quadrature; the others have their default.
     mesh : MeshQuadrature
-        Its rule when the points lie in the mesh.
+        Mesh quadrature.
     """
 
     name: str
@@ -28,17 +28,17 @@ class OptionSet:
     mesh: MeshQuadrature
 
     def quadrature(self, kind: str) -> Quadrature:
-        """Return the rule of a kind.
+        """Return the mesh or the pixel quadrature.
 
         Parameters
         ----------
         kind : {"mesh", "pixel"}
-            Where the points lie.
+            Kind of quadrature.
 
         Returns
         -------
         Quadrature
-            For `fedic.correlate`.
+            An option of `fedic.correlate`.
         """
         return self.mesh if kind == "mesh" else PixelQuadrature()
 
@@ -48,19 +48,19 @@ PAPER = OptionSet(
     {"interpolation": "bicubic", "gradient": "finite-difference", "smoothing": 0.0},
     MeshQuadrature(rule="diameter"),
 )
-"""The paper's own: bicubic interpolation, finite-difference gradients, diameter rule."""
+"""Options of the paper: bicubic interpolation, finite-difference gradients, diameter rule."""
 PAPER_SPLINES = OptionSet(
     "paper, bspline3",
     {"interpolation": "bspline3", "gradient": "finite-difference", "smoothing": 0.0},
     MeshQuadrature(rule="diameter"),
 )
-"""The same with cubic B-splines."""
+"""Options of the paper with cubic B-splines."""
 UNFILTERED = OptionSet("unfiltered", {"smoothing": 0.0}, MeshQuadrature())
-"""The default of fedic without its smoothing: the least noise."""
+"""Default options without smoothing: the smallest noise."""
 DEFAULT = OptionSet("default", {}, MeshQuadrature())
-"""What `fedic.correlate` does when told nothing."""
+"""Default options of `fedic.correlate`."""
 LEGEND = (
     "*paper*: bicubic interpolation, finite-difference gradients, diameter rule; *paper, bspline3*: the same with "
-    "cubic B-splines; *unfiltered*: the default without smoothing; *default*: what `correlate` does when told nothing."
+    "cubic B-splines; *unfiltered*: the default without smoothing; *default*: the default options of `correlate`."
 )
-"""The settings, for the text of an outcome."""
+"""Legend of the option sets, for the text of an outcome."""

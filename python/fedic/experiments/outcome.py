@@ -1,4 +1,4 @@
-"""What an experiment is asked, what it answers, and the files it leaves."""
+"""Input and outcome of an experiment, and the files of an outcome."""
 
 import csv
 import math
@@ -10,26 +10,26 @@ from matplotlib.figure import Figure
 
 from fedic._core import __version__
 from fedic._internal.types import Image
-from fedic.io.atomic import replacing, write_json
+from fedic.io.atomic import atomic_path, write_json
 from fedic.plotting import save_figure
 from fedic.progress import Progress, ProgressCallback, fraction_callback
 
 __all__ = ["Claim", "Outcome", "Request", "Row", "write_outcome"]
 
 Row: TypeAlias = dict[str, Any]
-"""One line of an experiment's table, of strings, numbers and truth values: the same keys in all of them."""
+"""One row of an experiment's table: strings, numbers and booleans under keys that all rows share."""
 
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What an experiment is to run on.
+    """Input of an experiment.
 
     Attributes
     ----------
     quick : bool
-        Fewer sizes and draws: a run under a minute, for a look and for the tests.
+        Use fewer sizes and draws, for a run under a minute.
     image : ndarray or None
-        A real reference image, measured beside the synthetic one.
+        A real reference image, measured in addition to the synthetic one.
     star : (ndarray, ndarray) or None
         Reference and deformed image of the star of the DIC Challenge 2.0, noisy pair.
     progress : callable, optional
@@ -62,7 +62,7 @@ class Request:
         Returns
         -------
         Request
-            The same request; what it reports is the fraction of the part.
+            A copy that reports the fraction of the part.
         """
 
         def report(progress: Progress) -> None:
@@ -73,16 +73,16 @@ class Request:
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim and its verdict.
+    """A claim and its evaluation.
 
     Attributes
     ----------
     text : str
-        What is claimed, with its figure.
+        The claim, with its figure.
     measured : str
-        What was measured.
+        The measured value.
     holds : bool
-        Whether it holds.
+        True if the claim holds.
     """
 
     text: str
@@ -92,22 +92,22 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What an experiment found.
+    """Outcome of an experiment.
 
     Attributes
     ----------
     name : str
-        Name of the experiment, of which those of its files are made.
+        Name of the experiment and stem of its files.
     title : str
-        Its subject, in a line.
+        Title, in one line.
     text : str
-        What was done, in a few sentences; Markdown.
+        Description of the method in Markdown.
     rows : list of dict
-        The numbers, one dictionary of equal keys per measurement.
+        Results, one row per measurement.
     claims : list of Claim
-        The verdicts.
+        Evaluated claims.
     figures : dict of str to Figure
-        The pictures, by the ending of their file's name: ``""`` for the main one.
+        Figures by the ending of their file name: ``""`` for the main one.
     """
 
     name: str
@@ -119,25 +119,25 @@ class Outcome:
 
 
 def write_outcome(outcome: Outcome, folder: Path, *, quick: bool, seconds: float) -> None:
-    """Write ``NAME.csv``, ``NAME.json`` and the pictures, each whole or not at all.
+    """Write ``NAME.csv``, ``NAME.json`` and the pictures.
 
     Parameters
     ----------
     outcome : Outcome
-        From an experiment.
+        Outcome of an experiment.
     folder : Path
         An existing folder.
     quick : bool
-        Whether the run was a quick one.
+        True for a quick run.
     seconds : float
-        How long it took.
+        Duration of the run.
     """
     pictures = []
     for ending, figure in outcome.figures.items():
         pictures.append(f"{outcome.name}-{ending}.png" if ending else f"{outcome.name}.png")
         save_figure(figure, folder / pictures[-1])
     with (
-        replacing(folder / f"{outcome.name}.csv") as temporary,
+        atomic_path(folder / f"{outcome.name}.csv") as temporary,
         temporary.open("w", encoding="utf-8", newline="") as file,
     ):
         writer = csv.DictWriter(file, fieldnames=list(outcome.rows[0]))

@@ -1,8 +1,8 @@
 """Fields reconstructed from the nodes of a fine regular mesh of four-noded cells, by generalised least squares.
 
-The information matrix of the nodes is the correlation matrix of the fine mesh. Where the texture is uniform it is the
-consistent mass matrix, on a regular grid the product of two matrices of one dimension: the same for both components.
-The coarse spaces are products of one-dimensional bases too, with or without the mixed terms of high degree.
+The information matrix of the nodes is the correlation matrix of the fine mesh. For a uniform texture it is the
+consistent mass matrix for both components, on a regular grid the product of two one-dimensional matrices. The coarse
+spaces are products of one-dimensional bases too, with or without the mixed terms of high degree.
 """
 
 from collections.abc import Callable
@@ -32,12 +32,12 @@ class Space:
     Attributes
     ----------
     kind : {"tensor", "serendipity", "spline"}
-        Continuous polynomials with all products of their degree; without the products of interior functions whose
-        degrees add up to more; splines with one derivative less than the degree.
+        Continuous polynomials with all products of their degree; without products of interior functions of higher total
+        degree; cubic splines.
     degree : int
         Degree along an edge; splines are cubic.
     ratio : int
-        Fine elements along the edge of a coarse one.
+        Number of fine elements along the edge of a coarse one.
     """
 
     kind: Literal["tensor", "serendipity", "spline"]
@@ -49,7 +49,7 @@ class Space:
         return _splines(knots, points) if self.kind == "spline" else _hierarchical(knots, self.degree, points)
 
     def keeps(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Say which products of functions of these degrees belong to the space."""
+        """Return a mask of the products of functions of these degrees that belong to the space."""
         vertical, horizontal = rows[:, np.newaxis], columns[np.newaxis, :]
         if self.kind != "serendipity":
             return np.ones((len(rows), len(columns)), dtype=np.bool_)
@@ -57,23 +57,23 @@ class Space:
 
 
 def reconstruct(result: Result, size: float, space: Space) -> tuple[Field, float]:
-    """Reduce the nodes of a fine regular mesh to a coarser space.
+    """Project the nodal values of a fine regular mesh on a coarser space.
 
     Parameters
     ----------
     result : Result
-        Measured on a regular mesh of ``quad`` cells in the image frame, an even number of rows of them.
+        Result on a regular mesh of ``quad`` cells in pixels, with an even number of rows.
     size : float
-        Their edge, in pixels.
+        Edge of the cells, in pixels.
     space : Space
-        The coarse space; its elements keep a line of nodes on the middle row.
+        The coarse space; its elements have a line of nodes on the middle row.
 
     Returns
     -------
     field : callable
         The reconstructed field.
     reach : float
-        Pixels above and below the middle row that it covers.
+        Extent above and below the middle row, in pixels.
     """
     columns, rows, nodal = _as_grid(result)
     middle = len(rows) // 2
@@ -132,25 +132,25 @@ def _conjugate_gradients(apply: Callable[[Floats], Floats], right: Floats, diago
         scaled = residual / diagonal
         energy, previous = float((residual * scaled).sum()), energy
         direction = scaled + energy / previous * direction
-    raise SolveError(f"The reduction of the nodal field did not end within {_CG_STEPS} steps of conjugate gradients.")
+    raise SolveError(f"The projection of the nodal field did not converge within {_CG_STEPS} conjugate-gradient steps.")
 
 
 def _mass(count: int, size: float) -> Floats:
-    """Consistent mass matrix of two-noded elements in a row."""
+    """Return the consistent mass matrix of a row of two-noded elements."""
     mass = np.diag(np.full(count, 4.0)) + np.diag(np.ones(count - 1), 1) + np.diag(np.ones(count - 1), -1)
     mass[0, 0] = mass[-1, -1] = 2.0
     return mass * size / 6.0
 
 
 def _place(knots: Floats, points: Floats) -> tuple[NDArray[np.int64], Floats]:
-    """Return the element of each point and its place there, from 0 to 1."""
+    """Return the element of each point and its coordinate there, from 0 to 1."""
     where = (points - knots[0]) / (knots[1] - knots[0])
     element = np.clip(np.floor(where + 1e-9).astype(np.int64), 0, len(knots) - 2)
     return element, where - element
 
 
 def _hierarchical(knots: Floats, degree: int, points: Floats) -> _Basis:
-    """Hat functions of the knots, then the integrated Legendre polynomials of each element."""
+    """Evaluate the hat functions of the knots, then the integrated Legendre polynomials of each element."""
     element, place = _place(knots, points)
     at, elements = np.arange(len(points)), len(knots) - 1
     values = np.zeros((len(points), len(knots) + elements * (degree - 1)))
@@ -165,7 +165,7 @@ def _hierarchical(knots: Floats, degree: int, points: Floats) -> _Basis:
 
 
 def _splines(knots: Floats, points: Floats) -> _Basis:
-    """Uniform cubic B-splines."""
+    """Evaluate uniform cubic B-splines."""
     element, t = _place(knots, points)
     values = np.zeros((len(points), len(knots) + 2))
     pieces = ((1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3)

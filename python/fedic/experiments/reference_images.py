@@ -1,4 +1,4 @@
-"""The images under test, and the unstructured meshes laid on them."""
+"""Reference images of the experiments, and unstructured meshes on them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,26 +26,26 @@ SIZES = (4, 6, 8, 10, 12, 15, 20, 25, 30)
 """Edges of the elements, in pixels, of Fig. 7 and 14."""
 
 _WIDTH, _HEIGHT = 220.4, 320.6
-"""Of the mesh, in pixels: no whole number, as its corners."""
+"""Size of the mesh in pixels; like its corners, not a whole number."""
 _CORNER = (0.3, 0.7)
 _MARGIN = 40
-"""Pixels kept around the mesh."""
+"""Margin around the mesh in pixels."""
 _PATCH = 21
-"""Side of the squares whose texture is judged."""
+"""Side in pixels of the squares in which the texture is evaluated."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReferenceImage:
-    """A reference image and where the mesh lies in it.
+    """A reference image and the position of the mesh in it.
 
     Attributes
     ----------
     name : str
-        What it is called in tables and pictures.
+        Name in tables and figures.
     image : ndarray, shape (height, width)
         The whole image.
     left, top : int
-        Pixel that the window of the mesh starts in.
+        First pixel of the window of the mesh.
     """
 
     name: str
@@ -75,7 +75,7 @@ class ReferenceImage:
         Returns
         -------
         ndarray of float32
-            Of the shape of `reference`.
+            The image, of the shape of `reference`.
         """
         return self._cropped(fourier_shift(self.image, shift))
 
@@ -86,12 +86,12 @@ class ReferenceImage:
 
 
 def reference_images(request: Request) -> list[ReferenceImage]:
-    """Return the synthetic image and, where one is given, the real one.
+    """Return the synthetic image and, if one is given, the real one.
 
     Parameters
     ----------
     request : Request
-        With the real image or without.
+        Request, with or without a real image.
 
     Returns
     -------
@@ -114,12 +114,12 @@ def window_mesh(window: Window, size: float, cell: CellName) -> Mesh:
     size : float
         Edge of the elements.
     cell : str
-        Their kind.
+        Cell type.
 
     Returns
     -------
     Mesh
-        In the image frame; the same for the same arguments.
+        Mesh in pixels.
     """
     left, top, right, bottom = window
     return pixel_mesh(((left, top), (right, top), (right, bottom), (left, bottom)), size, cell)
@@ -127,16 +127,16 @@ def window_mesh(window: Window, size: float, cell: CellName) -> Mesh:
 
 @lru_cache(maxsize=64)
 def pixel_mesh(corners: Sequence[tuple[float, float]], size: float, cell: CellName) -> Mesh:
-    """Make an unstructured mesh of a polygon once.
+    """Make an unstructured mesh of a polygon; the result is cached.
 
     Parameters
     ----------
     corners : sequence of (float, float)
-        The corners in order; hashable.
+        Corners in order, hashable.
     size : float
         Edge of the elements, in the unit of the corners.
     cell : str
-        Their kind.
+        Cell type.
 
     Returns
     -------
@@ -154,13 +154,13 @@ def _synthetic() -> ReferenceImage:
 
 
 def _real(image: Image) -> ReferenceImage:
-    """Lay the window where the poorest texture in it is the best."""
+    """Choose the window whose poorest texture is best."""
     height, width = image.shape
     need_u, need_v = round(_WIDTH) + 2 * _MARGIN, round(_HEIGHT) + 2 * _MARGIN
     if width < need_u or height < need_v:
         raise ImageError(
-            f"The experiment lays a mesh of {_WIDTH} x {_HEIGHT} px with a margin on the image, which must have at "
-            f"least {need_u} x {need_v} px (columns x rows); it has {width} x {height}."
+            f"The experiment needs an image of at least {need_u} x {need_v} px (columns x rows), for a mesh of "
+            f"{_WIDTH} x {_HEIGHT} px with a margin; this one has {width} x {height}."
         )
     grey = image.astype(np.float32)
     slopes = [cv2.Sobel(grey, cv2.CV_32F, along_u, 1 - along_u) for along_u in (0, 1)]

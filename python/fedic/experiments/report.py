@@ -1,11 +1,11 @@
-"""One page with every verdict and picture of the experiments in a folder."""
+"""Report with the claims and pictures of all experiments in a folder."""
 
 import json
 from pathlib import Path
 from typing import Any
 
 from fedic.experiments.catalogue import EXPERIMENTS
-from fedic.io.atomic import replacing
+from fedic.io.atomic import atomic_path
 
 __all__ = ["write_report"]
 
@@ -18,12 +18,12 @@ def write_report(folder: Path) -> Path:
     Parameters
     ----------
     folder : Path
-        Where `write_outcome` has put some.
+        Folder with files of `write_outcome`.
 
     Returns
     -------
     Path
-        The page.
+        The report.
     """
     found = [_read(path) for name in EXPERIMENTS if (path := folder / f"{name}.json").exists()]
     lines = [
@@ -43,7 +43,7 @@ def write_report(folder: Path) -> Path:
     for outcome in found:
         lines += ["", *_section(outcome)]
     page = folder / PAGE
-    with replacing(page) as temporary:
+    with atomic_path(page) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return page
 

@@ -1,4 +1,4 @@
-"""The star of the DIC Challenge 2.0: noise against resolution, over cells, sizes and ways of measuring."""
+"""Noise against resolution on the star of the DIC Challenge 2.0, over cells, sizes and options."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fedic._internal.types import CellName, Floats
 from fedic.correlation import correlate
-from fedic.experiments.dic_challenge_star import Laid, Star, real_star, star_mesh, synthetic_star, turned_mesh
+from fedic.experiments.dic_challenge_star import Star, StarMesh, real_star, star_mesh, synthetic_star, turned_mesh
 from fedic.experiments.mei import Field, Measured, field_of, measure_merit
 from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED
 from fedic.experiments.outcome import Outcome, Request
@@ -33,9 +33,9 @@ SIZES: dict[CellName, tuple[int, ...]] = {
     "triangle6": (16, 20, 24, 28, 32, 36, 40, 48),
 }
 COMPARED: dict[CellName, int] = {"quad": 16, "triangle": 16, "quad8": 28, "quad9": 28, "triangle6": 28}
-"""One size of each cell, of similar resolution: all that a quick run measures, and what is turned."""
+"""One size of each cell type, of similar resolution, for quick runs and for rotated meshes."""
 CHOSEN: tuple[CellAndSize, ...] = (("quad8", 28), ("quad", 16), ("triangle6", 28))
-"""What the ways of measuring are compared on."""
+"""Cells and sizes on which options are compared."""
 BEST, FOUR_NODED = CHOSEN[0], CHOSEN[1]
 PLAIN: Options = {**UNFILTERED.options, "quadrature": UNFILTERED.mesh}
 WAYS: dict[str, Options] = {
@@ -58,7 +58,7 @@ WAYS: dict[str, Options] = {
 }
 QUICK_WAYS = ("default", "rule edges")
 FINE = 8
-"""Edge, in pixels, of the four-noded elements that fields are reconstructed from."""
+"""Edge, in pixels, of the four-noded elements from which fields are reconstructed."""
 SPACES: dict[str, Space] = {
     "8 px nodes to quad": Space("tensor", 1, 2),
     "8 px nodes to quad8": Space("serendipity", 2, 4),
@@ -76,12 +76,12 @@ _Task: TypeAlias = Callable[[], Measured]
 
 
 def run(request: Request) -> Outcome:
-    """Measure the star with every cell, size and way.
+    """Measure the star with every cell, size and set of options.
 
     Parameters
     ----------
     request : Request
-        Its star, where given, is measured beside the synthetic one, and all ways are tried on it.
+        Its star, if given, is measured in addition to the synthetic one, and all options are compared on it.
 
     Returns
     -------
@@ -167,7 +167,7 @@ def _averages(quick: bool) -> dict[str, list[tuple[float, float]]]:
     return along | {"mean of 2 moved down": [(0.0, 0.0), (0.0, 0.5)]}
 
 
-def _measure(star: Star, laid: Laid, options: Options) -> Result:
+def _measure(star: Star, laid: StarMesh, options: Options) -> Result:
     return correlate(star.reference, star.deformed, laid.mesh, **options)
 
 
@@ -196,7 +196,7 @@ def _turned(star: Star, chosen: CellAndSize) -> Measured:
 
 
 def _average(star: Star, variant: str, chosen: CellAndSize, shifts: list[tuple[float, float]]) -> Measured:
-    """Average the fields of meshes that are moved by parts of an element."""
+    """Average the fields of meshes that are shifted by parts of an element."""
     meshes = [star_mesh(star, chosen[1], chosen[0], shift) for shift in shifts]
     results = [_measure(star, laid, PLAIN) for laid in meshes]
     fields = [field_of(result) for result in results]
@@ -210,7 +210,7 @@ def _average(star: Star, variant: str, chosen: CellAndSize, shifts: list[tuple[f
 
 
 def _symmetric(star: Star, chosen: CellAndSize) -> Measured:
-    """Take half the difference of the motions there and back, the way back read where the nodes went."""
+    """Average the motion and the negative motion back, evaluated at the displaced nodes."""
     laid = star_mesh(star, chosen[1], chosen[0])
     there = _measure(star, laid, PLAIN)
     back = correlate(star.deformed, star.reference, laid.mesh, **PLAIN)
@@ -221,7 +221,7 @@ def _symmetric(star: Star, chosen: CellAndSize) -> Measured:
 
 
 def _nodes_alone(star: Star, chosen: CellAndSize) -> Measured:
-    """Take the noise of the nodes instead of that of the field."""
+    """Evaluate the noise of the nodes instead of that of the field."""
     laid = star_mesh(star, chosen[1], chosen[0])
     result = _measure(star, laid, PLAIN)
     judged = _judged(star, ("nodes", "nodes alone"), chosen, field_of(result), laid.reach, [result])
@@ -229,8 +229,8 @@ def _nodes_alone(star: Star, chosen: CellAndSize) -> Measured:
     return replace(judged, merit=replace(judged.merit, noise=noise))
 
 
-def _calm(star: Star, laid: Laid) -> NDArray[np.bool_]:
-    """Nodes in the region where the noise is taken."""
+def _calm(star: Star, laid: StarMesh) -> NDArray[np.bool_]:
+    """Return the nodes in the region where the noise is evaluated."""
     points, columns = laid.mesh.points, star.calm_columns
     inside = np.abs(points[:, 1] - star.middle) < laid.reach - 1.5 * laid.size
     chosen: NDArray[np.bool_] = inside & (points[:, 0] >= columns[0]) & (points[:, 0] <= columns[-1])
@@ -238,7 +238,7 @@ def _calm(star: Star, laid: Laid) -> NDArray[np.bool_]:
 
 
 class _Fine:
-    """The fine mesh that several fields are reconstructed from, measured once."""
+    """A fine mesh, measured once, from which several fields are reconstructed."""
 
     def __init__(self, star: Star) -> None:
         self._star = star

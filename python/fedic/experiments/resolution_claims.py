@@ -1,4 +1,4 @@
-"""What the measurements of the star say, and whether it is so."""
+"""Claims of the resolution experiment."""
 
 from collections.abc import Iterator
 
@@ -37,17 +37,17 @@ _HIGHEST = "8 px nodes to serendipity of degree 6"
 
 
 def claims_of(found: list[Measured]) -> list[Claim]:
-    """Draw the conclusions from what was measured on one star.
+    """Evaluate the claims on one star.
 
     Parameters
     ----------
     found : list of Measured
-        All of one star; claims on what is not among them are left out.
+        Measurements of one star; claims on missing variants are left out.
 
     Returns
     -------
     list of Claim
-        With their verdicts.
+        Evaluated claims.
     """
     return [*_of_sizes(found), *_of_directions(found), *_of_ways(found), *_of_nodes(found)]
 

@@ -30,7 +30,7 @@ def merit_figure(found: list[Measured]) -> Figure:
     Parameters
     ----------
     found : list of Measured
-        Those of the groups ``sizes`` and ``turned`` are drawn.
+        Measurements; the groups ``sizes`` and ``turned`` are drawn.
 
     Returns
     -------
@@ -109,7 +109,7 @@ def amplitude_figure(found: list[Measured]) -> Figure:
     Parameters
     ----------
     found : list of Measured
-        Those of the groups ``sizes`` and ``turned`` are drawn.
+        Measurements; the groups ``sizes`` and ``turned`` are drawn.
 
     Returns
     -------

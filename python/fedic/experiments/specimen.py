@@ -1,4 +1,4 @@
-"""The camera from the specimen itself: how well motions of it calibrate the lens, and what that is worth."""
+"""Calibration on the specimen: errors of the lens from its motions, and of measurements with that camera."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ from fedic.synthetic import Speckle, add_noise, render
 __all__ = ["run"]
 
 DIRECTIONS = ((-1.0, -0.5), (0.75, -0.625), (0.125, 1.0))
-"""Of the motions; times the largest component in pixels."""
+"""Directions of the motions, to be multiplied by the largest component in pixels."""
 LENGTHS, QUICK_LENGTHS = (50.0, 100.0, 200.0, 400.0), (400.0,)
 NOISES = (0.0, 2.0)
 """Added before rounding to 8 bits, in grey levels."""

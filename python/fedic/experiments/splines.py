@@ -1,4 +1,4 @@
-"""Non-parametric lenses: what they are worth behind a lens that no usual model can represent."""
+"""Accuracy of non-parametric lenses for a lens that no parametric model represents."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from fedic._core import BrownDistortion, InverseSplineDistortion, Mesh, Pinhole, SplineDistortion
 from fedic._internal.types import Floats
 from fedic.calibration import Calibration, calibrate_points
-from fedic.cameras.poses import posed
+from fedic.cameras.poses import with_pose
 from fedic.correlation import correlate
 from fedic.demo.scene import FOCAL, HEIGHT, MILLIMETRES, PIXEL_MOTION, PRINCIPAL_POINT, RADIAL, WIDTH, ImagePair, Scene
 from fedic.experiments.option_sets import DEFAULT
@@ -23,15 +23,15 @@ SPLINE_MODELS = MODELS[2:]
 WAVE, AMPLITUDE = 500.0, 0.5
 """Wavelength and amplitude of the waves, in pixels."""
 BUMP, BUMP_WIDTH = (200.0, -120.0), 90.0
-"""Place of the bump, from the principal point, and the standard deviation of its shape, in pixels."""
+"""Position of the bump relative to the principal point, and the standard deviation of its shape, in pixels."""
 TRUE_INTERVALS = (70, 52)
 VIEWS, COLUMNS, ROWS, NOISE = 30, 20, 10, 0.02
 PITCH = 45.0
-"""Of the target, in pixels of the optical axis."""
+"""Pitch of the target, in pixels of the optical axis."""
 MARGIN = 4.0
-"""Between the target and the borders of the image, in pixels."""
+"""Distance between the target and the borders of the image, in pixels."""
 BORDER = 30.0
-"""Of the image, in pixels, where the cameras are not judged: few points of a tilted target reach its corners."""
+"""Border of the image, in pixels, in which the cameras are not evaluated: few target points reach its corners."""
 LARGEST_TILT, LARGEST_TURN = 0.5, 0.3
 CALIBRATIONS, QUICK_CALIBRATIONS = 5, 1
 SIZE = 20.0
@@ -138,12 +138,12 @@ def _seen(scene: Scene, angles: Floats, middle: Floats, distance: float) -> tupl
     x, y = (middle - PRINCIPAL_POINT) * MILLIMETRES * distance
     rotation = np.asarray(cv2.Rodrigues(angles)[0], dtype=np.float64) @ np.diag([1.0, -1.0, -1.0])
     place = (float(x), float(y), true.translation[2] * distance)
-    return points, posed(true, rotation, np.array(place)).project(points)
+    return points, with_pose(true, rotation, np.array(place)).project(points)
 
 
 def _placed(scene: Scene, calibration: Calibration, pair: ImagePair, points: Floats, pixels: Floats) -> Pinhole:
     """Return the camera found, before the plane of the scene by points whose places are known in it."""
-    start = posed(calibration.camera, scene.camera.rotation, np.asarray(scene.camera.translation))
+    start = with_pose(calibration.camera, scene.camera.rotation, np.asarray(scene.camera.translation))
     middle = (np.array([0.5 * WIDTH, 0.5 * HEIGHT]) - PRINCIPAL_POINT) * (MILLIMETRES, -MILLIMETRES)
     where = points + np.array([*middle, 0.0])
     mesh = Mesh(where[[0, COLUMNS - 1, -1, -COLUMNS], :2], {"quad": [[0, 1, 2, 3]]})

@@ -1,4 +1,4 @@
-"""Colours and markers that mean the same in every picture."""
+"""Colours and markers shared by the figures."""
 
 __all__ = ["COLOURS", "MARKERS"]
 
@@ -8,6 +8,6 @@ COLOURS = {
     ("default", "pixel"): "tab:orange",
     ("default", "mesh"): "tab:green",
 }
-"""By setting and quadrature."""
+"""Colours of options and quadrature."""
 MARKERS = {"quad": "s", "triangle": "^"}
-"""By kind of cell."""
+"""Markers of cell types."""

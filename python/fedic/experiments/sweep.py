@@ -1,4 +1,4 @@
-"""Measuring a known motion and summing up the errors."""
+"""Measurement of known motions and statistics of their errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,9 +40,9 @@ class Accuracy:
     stds : tuple of float
         Standard deviation of the error of each motion, in pixels.
     iterations : int
-        Most iterations.
+        Largest number of iterations.
     converged : bool
-        Whether all measurements converged. Where one could not be made the figures are NaN.
+        True if all measurements converged. The errors are NaN if one failed.
     num_points : int
         Quadrature points.
     """
@@ -93,11 +93,11 @@ def measure_shifts(
     shifts : sequence of (float, float)
         Their motions, in pixels.
     mesh : Mesh
-        In the image frame.
+        Mesh in pixels.
     setting : OptionSet
         Interpolation, gradient and smoothing.
     quadrature : Quadrature
-        Where the points lie.
+        Quadrature rule.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def noise_bound(reference: Image, mesh: Mesh, noise: float) -> float:
     reference : ndarray
         The image without that noise.
     mesh : Mesh
-        In the image frame.
+        Mesh in pixels.
     noise : float
         Standard deviation of the noise of each image, in grey levels.
 
@@ -167,11 +167,11 @@ def draw_displacements(
     reference, deformed : ndarray
         The images without that noise.
     mesh : Mesh
-        In the image frame.
+        Mesh in pixels.
     setting : OptionSet
         Interpolation, gradient and smoothing.
     quadrature : Quadrature
-        Where the points lie.
+        Quadrature rule.
     noise : float
         Standard deviation of the noise of each image, in grey levels; the same draws at every call.
     draws : int

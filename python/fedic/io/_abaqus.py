@@ -1,7 +1,7 @@
-"""Reading the surface mesh of an Abaqus input file.
+"""Surface meshes in Abaqus input files.
 
-meshio's reader knows few element types, and keeps only the last ``*NODE`` block of a file, which in most files written
-by Abaqus/CAE is the reference point of the assembly.
+meshio's reader supports few element types, and keeps only the last ``*NODE`` block of a file, which in most files
+written by Abaqus/CAE is the reference point of the assembly.
 """
 
 import re
@@ -75,7 +75,7 @@ def read_abaqus(path: Path) -> MeshFile:
     scopes = _read_scopes(path)
     with_surface = [scope for scope in scopes if scope.has_surface()]
     if len(with_surface) > 1:
-        raise MeshError(f"{path}: {len(with_surface)} parts have surface elements; export one part alone.")
+        raise MeshError(f"{path}: {len(with_surface)} parts have surface elements; export a single part.")
     if not with_surface:
         names = [name for scope in scopes for name, _ in scope.blocks]
         return MeshFile(np.empty((0, 3)), [(name, np.empty((0, 0), dtype=np.int64)) for name in names])
@@ -199,6 +199,6 @@ def _connectivity(path: Path, table: NDArray[np.int64], labels: NDArray[np.int64
     if unknown.any():
         row, column = np.argwhere(unknown)[0]
         raise MeshError(
-            f"{path}: element {table[row, 0]} names node {table[row, 1 + column]}, which the file does not define."
+            f"{path}: element {table[row, 0]} refers to node {table[row, 1 + column]}, which the file does not define."
         )
     return nodes

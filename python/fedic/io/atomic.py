@@ -1,4 +1,4 @@
-"""Writing a file whole or not at all."""
+"""Atomic writing of files: completely or not at all."""
 
 import json
 import uuid
@@ -9,12 +9,12 @@ from typing import Any
 
 from fedic.errors import FedicError
 
-__all__ = ["make_folder", "replacing", "write_json"]
+__all__ = ["atomic_path", "make_folder", "write_json"]
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary path in the same folder, which takes the place of `path` once written.
+def atomic_path(path: Path) -> Iterator[Path]:
+    """Provide a temporary path in the same folder, which replaces `path` when the block ends without error.
 
     Parameters
     ----------
@@ -24,12 +24,12 @@ def replacing(path: Path) -> Iterator[Path]:
     Yields
     ------
     Path
-        Where to write, with the same suffix.
+        The temporary path, with the same suffix.
 
     Raises
     ------
     FedicError
-        If the folder is missing or cannot be written to; `path` is then as it was.
+        If the folder is missing or not writable; `path` is then unchanged.
     """
     temporary = path.with_name(f".{path.stem}-{uuid.uuid4().hex}{path.suffix}")
     try:
@@ -44,21 +44,21 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write a dictionary as indented JSON, whole or not at all.
+    """Write a dictionary as indented JSON, completely or not at all.
 
     Parameters
     ----------
     path : Path
         The file to write.
     content : dict
-        Of JSON types; NaN is refused.
+        Content of JSON types, without NaN.
     """
-    with replacing(path) as temporary:
+    with atomic_path(path) as temporary:
         temporary.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def make_folder(folder: Path) -> Path:
-    """Make a folder and its parents where missing.
+    """Create a folder and its parents if they are missing.
 
     Parameters
     ----------
@@ -68,15 +68,15 @@ def make_folder(folder: Path) -> Path:
     Returns
     -------
     Path
-        The same.
+        The folder.
 
     Raises
     ------
     FedicError
-        If it cannot be made.
+        If it cannot be created.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise FedicError(f"{folder}: the folder cannot be made ({error.strerror}).") from error
+        raise FedicError(f"{folder}: the folder cannot be created ({error.strerror}).") from error
     return folder

@@ -1,4 +1,4 @@
-"""Reading images, and checking those handed over as arrays."""
+"""Image files, and checks of images given as arrays."""
 
 import mmap
 import struct
@@ -13,14 +13,14 @@ from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
 from fedic.io._files import remember_file
 
-__all__ = ["as_image", "as_pair", "let_go", "own_image", "read_image"]
+__all__ = ["as_image", "copy_if_writable", "read_image", "release_pages", "validate_deformed"]
 
 _TIFF_SIGNATURES = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _JPEG_SIGNATURE = b"\xff\xd8\xff"
 _BMP_SIGNATURE = b"BM"
 _MAPPED_BYTES = 1 << 26
-"""From this size on mapping an image spares enough memory."""
+"""Size from which memory mapping an image is worthwhile."""
 
 
 def read_image(path: StrPath, *, mapped: bool = False) -> Image:
@@ -34,10 +34,10 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
     path : str or path
         The image file. Its format is recognised by its content.
     mapped : bool
-        Leave an uncompressed TIFF image of 64 MB or more in its file, from which the system reads what is used and
-        takes memory back when it needs some, as ``fedic run`` does. The array is read-only, whatever the file. As long
-        as it is in use the file must stay as it is: grey levels change with a file that is rewritten, a file that is
-        truncated ends the whole process with a bus error, and Windows lets nobody delete or replace it.
+        Map an uncompressed TIFF image of 64 MB or more from its file, as ``fedic run`` does: the system reads the parts
+        in use and can release their memory. The returned array is read-only for any file. The file must not change
+        while the array is in use: rewriting it changes the grey levels, truncating it ends the process with a bus
+        error, and Windows refuses to delete or replace it.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def _decode_intact(path: Path, data: bytes) -> Image:
     elif data.startswith(_BMP_SIGNATURE):
         intact = _bmp_is_complete(data)
     else:
-        raise ImageError(f"{path}: not an image fedic can read; convert it to TIFF, PNG, BMP or JPEG.")
+        raise ImageError(f"{path}: the image format is not supported; convert it to TIFF, PNG, BMP or JPEG.")
     if not intact:
         raise _damaged(path)
     return _to_grey(path, _decode_with_opencv(path, data), blue_first=True)
@@ -89,14 +89,14 @@ def as_image(image: object, name: str) -> Image:
     Parameters
     ----------
     image : object
-        What the caller gave as an image.
+        Image given by the caller.
     name : str
-        How messages call it, such as ``"reference"``.
+        Name in messages, such as ``"reference"``.
 
     Returns
     -------
     ndarray of uint8, uint16 or float32, shape (height, width)
-        The same array, made contiguous; float64 becomes float32.
+        The array, made contiguous; float64 becomes float32.
 
     Raises
     ------
@@ -118,20 +118,20 @@ def as_image(image: object, name: str) -> Image:
     return cast(Image, np.ascontiguousarray(image, dtype=kept))
 
 
-def own_image(image: object, name: str) -> Image:
-    """Check an array of grey levels that is kept, and copy one that its owner may still write to.
+def copy_if_writable(image: object, name: str) -> Image:
+    """Check an array of grey levels that is kept, and copy it if the caller could still write to it.
 
     Parameters
     ----------
     image : object
-        What the caller gave as an image.
+        Image given by the caller.
     name : str
-        How messages call it, such as ``"reference"``.
+        Name in messages, such as ``"reference"``.
 
     Returns
     -------
     ndarray of uint8, uint16 or float32, shape (height, width)
-        As `as_image` gives it; it shares memory with `image` only where that is read-only throughout.
+        As from `as_image`; it shares memory with `image` only if that memory is read-only.
 
     Raises
     ------
@@ -148,25 +148,25 @@ def own_image(image: object, name: str) -> Image:
     return checked if fixed or not np.may_share_memory(checked, cast(Image, image)) else checked.copy()
 
 
-def as_pair(reference: Image, deformed: object) -> Image:
-    """Check a deformed image against the checked reference image.
+def validate_deformed(reference: Image, deformed: object) -> Image:
+    """Check a deformed image against the reference image.
 
     Parameters
     ----------
     reference : ndarray, shape (height, width)
         The reference image.
     deformed : object
-        What the caller gave as the deformed image.
+        Deformed image given by the caller.
 
     Returns
     -------
     ndarray, shape (height, width)
-        The deformed image, as `as_image` gives it.
+        The deformed image, as from `as_image`.
 
     Raises
     ------
     ImageError
-        If it is not an image or is not of the size of the reference.
+        If it is not an image, or not of the size of the reference.
     """
     checked = as_image(deformed, "deformed")
     if checked.shape != reference.shape:
@@ -177,13 +177,13 @@ def as_pair(reference: Image, deformed: object) -> Image:
     return checked
 
 
-def let_go(image: Image) -> None:
-    """Give the memory of an image that is mapped from its file back to the system, until it is read again.
+def release_pages(image: Image) -> None:
+    """Return the memory of an image that is mapped from its file to the system, until it is read again.
 
     Parameters
     ----------
     image : ndarray
-        Any image; nothing happens to one that is not mapped for reading only.
+        Any image; does nothing unless it is a read-only memory map.
     """
     base: object = image
     read_only = False
@@ -249,7 +249,7 @@ def _decode_tiff(path: Path, *, mapped: bool) -> Image:
                 image = np.moveaxis(image, 0, -1)
     except ImageError:
         raise
-    except Exception as error:  # whatever the decoder meets in a damaged file
+    except Exception as error:  # the decoder raises anything on a damaged file
         raise _damaged(path) from error
     return _to_grey(path, image, blue_first=blue_first)
 

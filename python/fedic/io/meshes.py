@@ -1,4 +1,4 @@
-"""Reading meshes written by other programs."""
+"""Mesh files."""
 
 from pathlib import Path
 

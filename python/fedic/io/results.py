@@ -13,7 +13,7 @@ from fedic._core import Mesh, __version__
 from fedic._internal.types import Floats
 from fedic.errors import FedicError
 from fedic.io._vtu import write_vtu
-from fedic.io.atomic import replacing, write_json
+from fedic.io.atomic import atomic_path, write_json
 
 __all__ = ["write_result"]
 
@@ -47,10 +47,10 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
     if suffix == ".json":
         write_json(path, {"fedic": __version__, **summary})
     elif suffix == ".npz":
-        with replacing(path) as temporary, temporary.open("wb") as file:
+        with atomic_path(path) as temporary, temporary.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
     elif suffix == ".vtu":
-        with replacing(path) as temporary:
+        with atomic_path(path) as temporary:
             write_vtu(temporary, _three_components(mesh.points), mesh.cells, _point_data(arrays), _cell_data(arrays))
     elif suffix == ".vtk":
         _write_vtk(path, mesh, arrays)
@@ -70,7 +70,7 @@ def _write_vtk(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]]) -> No
         point_data=_point_data(arrays),
         cell_data={name: np.split(np.ascontiguousarray(values), splits) for name, values in _cell_data(arrays).items()},
     )
-    with replacing(path) as temporary, contextlib.redirect_stderr(io.StringIO()):
+    with atomic_path(path) as temporary, contextlib.redirect_stderr(io.StringIO()):
         meshio.write(temporary, content, file_format="vtk", binary=True)
 
 

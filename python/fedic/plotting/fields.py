@@ -64,7 +64,7 @@ def plot_displacement(
     component : {"x", "y", "u", "v"}
         ``x``, ``y`` in the mesh's unit; ``u`` (column), ``v`` (row) in pixels.
     on : {"deformed", "reference"}
-        Where the mesh is drawn: as it is in the deformed image or in the reference image.
+        Configuration in which the mesh is drawn.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def plot_mesh(mesh: Mesh, camera: Camera, image: Image) -> Figure:
     mesh : Mesh
         The mesh.
     camera : ImageFrame, FrontParallel or Pinhole
-        Projects it to the image.
+        Camera that projects the mesh.
     image : ndarray, shape (height, width)
         The reference image.
 
@@ -159,27 +159,27 @@ def draw_nodal_field(
     limits: tuple[float, float] | None = None,
     alpha: float = 1.0,
 ) -> ScalarMappable:
-    """Draw a field given at the nodes, with smooth colours.
+    """Draw a nodal field with interpolated colours.
 
     Parameters
     ----------
     axes : Axes
-        Where to draw.
+        Axes to draw into.
     mesh : Mesh
-        Its cells are drawn.
+        The mesh.
     pixels : ndarray, shape (n, 2)
-        Where its nodes are drawn.
+        Positions of its nodes in the figure.
     values : ndarray, shape (n,)
-        The field.
+        Nodal values.
     limits : (float, float), optional
-        Values at the ends of the colour scale; from the field if not given.
+        Values at the ends of the colour scale; by default from the field.
     alpha : float
         Opacity.
 
     Returns
     -------
     ScalarMappable
-        For a colour bar.
+        The mappable, for a colour bar.
     """
     low, high = limits or _colour_limits(values[mesh.used_nodes])
     points, all_values, triangles = _triangles(mesh, pixels, values)
@@ -196,7 +196,7 @@ def draw_nodal_field(
 
 
 def _colour_limits(values: Floats) -> tuple[float, float]:
-    """Bound the field without its extreme values, symmetrically about zero if it truly has both signs."""
+    """Return limits of the field without its extreme values, symmetric about zero if it clearly has both signs."""
     low, high = np.nanpercentile(values, (_CLIPPED_PERCENT, 100.0 - _CLIPPED_PERCENT))
     reach = max(abs(low), abs(high))
     if low < 0.0 < high and min(-low, high) > 0.1 * reach:
@@ -208,7 +208,7 @@ def _colour_limits(values: Floats) -> tuple[float, float]:
 
 
 def _triangles(mesh: Mesh, pixels: Floats, values: Floats) -> tuple[Floats, Floats, NDArray[np.int64]]:
-    """Cut each cell into triangles around a point at its centre; triangles stay whole."""
+    """Cut each cell into triangles around its centre; triangles stay whole."""
     points, all_values, triangles = [pixels], [values], []
     count = len(pixels)
     for (name, nodes), outline in zip(mesh.cells.items(), mesh.outlines(), strict=True):

@@ -5,7 +5,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from fedic.errors import FedicError
-from fedic.io.atomic import replacing
+from fedic.io.atomic import atomic_path
 
 __all__ = ["check_picture_path", "save_figure"]
 
@@ -43,5 +43,5 @@ def save_figure(figure: Figure, path: Path) -> None:
         If the suffix is not ``.png``, or the file cannot be written.
     """
     check_picture_path(path)
-    with replacing(path) as temporary:
+    with atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=160)

@@ -1,4 +1,4 @@
-"""Placing a mesh in an image: `fedic.register`, and the pieces of a mesh's boundary it goes by."""
+"""Registration of a mesh to an image: `fedic.register`, and the boundary features it fits."""
 
 from fedic.registration._features import BoundaryFeature, boundary_features
 from fedic.registration._from_data import register

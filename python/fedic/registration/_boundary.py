@@ -1,4 +1,4 @@
-"""The boundary of a mesh: its loops, node after node, the material on the left."""
+"""Boundary of a mesh as closed loops of nodes, the material on the left."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class Loop:
     segments : ndarray of int, shape (n, 3)
         Nodes of each edge of a cell in order: first, middle (-1 where the edge is straight), last.
     area : float
-        Enclosed by the corner nodes; negative where the loop bounds a hole.
+        Area enclosed by the corner nodes; negative for the boundary of a hole.
     """
 
     segments: NDArray[np.int64]
@@ -39,7 +39,7 @@ def boundary_loops(mesh: Mesh) -> list[Loop]:
     Returns
     -------
     list of Loop
-        Outer loops before holes, each kind by position.
+        Outer loops before holes, each sorted by position.
     """
     points = in_space(mesh.points)
     loops = []
@@ -51,14 +51,14 @@ def boundary_loops(mesh: Mesh) -> list[Loop]:
 
 
 def _position(mesh: Mesh, point: Floats) -> tuple[float, float]:
-    """Return a sorting key, left to right and then bottom to top, that rounding does not disturb."""
+    """Return a sorting key, left to right and then bottom to top, insensitive to rounding."""
     size = float(np.ptp(mesh.points[mesh.used_nodes], axis=0).max())
     x, y = np.round(point / size, 4)
     return float(x), float(y)
 
 
 def _boundary_segments(mesh: Mesh) -> NDArray[np.int64]:
-    """Return the edges that belong to one cell alone, shape (n, 3), in the direction of their cell."""
+    """Return the edges that belong to a single cell, shape (n, 3), in the direction of the cell."""
     parts = []
     for name, outline in zip(mesh.cells, mesh.outlines(), strict=True):
         # An edge with more than one inner node counts as straight segments between its nodes.
@@ -74,7 +74,7 @@ def _boundary_segments(mesh: Mesh) -> NDArray[np.int64]:
 
 
 def _chains(segments: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Join segments to closed chains."""
+    """Join segments into closed chains."""
     following: dict[int, list[int]] = {}
     for index in np.argsort(segments[:, 0], kind="stable")[::-1]:
         following.setdefault(int(segments[index, 0]), []).append(int(index))

@@ -1,4 +1,4 @@
-"""What the data leave open, and how well they determine the rest."""
+"""Checks that the data determine the unknowns, and the covariance of the unknowns."""
 
 from collections.abc import Sequence
 
@@ -19,25 +19,25 @@ _LONGEST_LAG = 0.25
 
 
 def check_determined(groups: Sequence[Group], names: Sequence[str]) -> None:
-    """Check that no combination of the unknowns leaves all rows as they are.
+    """Check that the data determine all unknowns.
 
     Parameters
     ----------
     groups : sequence of Group
-        The rows.
+        Rows of the least-squares problem.
     names : sequence of str
-        The unknowns.
+        Names of the unknowns.
 
     Raises
     ------
     CameraError
-        If the camera does not see what the rows are about.
+        If the camera does not see all points and features.
     SolveError
-        If one does; the message names its parameters.
+        If some combination of the unknowns changes no row; the message names its parameters.
     """
     rows = np.concatenate([group.jacobian[group.used] for group in groups])
     if not np.isfinite(rows).all():
-        raise CameraError("camera: from its start it does not see all the points and features; correct the start.")
+        raise CameraError("camera: the given pose does not see all points and features; correct it.")
     open_names = undetermined(names, rows)
     if open_names:
         raise SolveError(
@@ -48,12 +48,12 @@ def check_determined(groups: Sequence[Group], names: Sequence[str]) -> None:
 
 
 def check_known(names: Sequence[str], deviations: Sequence[float], camera: Placeable) -> None:
-    """Check that no parameter of the pose is left so uncertain that it means nothing.
+    """Check that the standard deviations of the pose are small enough to be of use.
 
     Raises
     ------
     SolveError
-        If an angle is uncertain by over 0.2 rad, or the scale or distance by over a tenth.
+        If the standard deviation of an angle is above 0.2 rad, or that of the scale or distance above 10 %.
     """
     size = camera.scale if isinstance(camera, FrontParallel) else abs(camera.translation[2])
     limits = {"scale": LARGEST_RELATIVE_DEVIATION * size, "tz": LARGEST_RELATIVE_DEVIATION * size}
@@ -63,17 +63,17 @@ def check_known(names: Sequence[str], deviations: Sequence[float], camera: Place
     if poor:
         uncertain = ", ".join(f"{name} (standard deviation {value:.2g})" for name, value in poor)
         raise SolveError(
-            f"The points and features given hardly determine {uncertain}: hold what is known from elsewhere by leaving "
-            "it out of free=(...), or add points and features further apart."
+            f"The points and features given hardly determine {uncertain}: leave known parameters out of free=(...), or "
+            "add points and features further apart."
         )
 
 
 def covariance_of(groups: Sequence[Group]) -> tuple[Floats, list[float]]:
-    """Return the covariance of the unknowns, and the noise of each group.
+    """Return the covariance of the unknowns and the noise of each group.
 
-    Least squares with the noise of each group from its own residuals, less the freedom the unknowns take away. The
-    errors of neighbouring pieces of an edge are correlated where speckles are as long as the pieces: the variance of a
-    feature is enlarged by the sum of the correlations of its residuals, and for the levels that neighbours share.
+    The noise of a group is estimated from its residuals and its degrees of freedom. The errors of neighbouring segments
+    of an edge are correlated where speckles are as long as the segments: the variance of a feature is multiplied by the
+    sum of the correlations of its residuals, and by the inflation of `Edge`.
 
     Parameters
     ----------
@@ -83,9 +83,9 @@ def covariance_of(groups: Sequence[Group]) -> tuple[Floats, list[float]]:
     Returns
     -------
     ndarray, shape (p, p)
-        NaN where there are no more rows than unknowns and the noise is not known.
+        Covariance; NaN if the noise is unknown and there are no more rows than unknowns.
     list of float
-        Standard deviations in pixels.
+        Standard deviation of each group in pixels.
     """
     noises = [group.noise for group in groups]
     inverse = np.linalg.pinv(_normal(groups, noises))
@@ -113,7 +113,7 @@ def _normal(groups: Sequence[Group], noises: Sequence[float]) -> Floats:
 
 
 def _correlation_length(left: Floats) -> float:
-    """Return the sum of the correlations of residuals at all lags, up to the first that is not positive; at least 1."""
+    """Return the sum of the autocorrelation of residuals, up to the first lag where it is not positive; at least 1."""
     known = np.isfinite(left)
     centred = np.where(known, left, 0.0)
     variance = float((centred**2).sum()) / max(int(known.sum()), 1)

@@ -1,11 +1,10 @@
-"""Where the grey levels of an image change across a projected feature, to a fraction of a pixel.
+"""Sub-pixel position of the edge in an image across a projected feature.
 
-Grey levels are read along the normals of the feature. One side of an edge is quieter than the other, as a rule the
-ground around a speckled specimen: with B the level of the quiet side, ``|I - B|`` is small there and large on the
-other, be it brighter, darker, or speckled about the same mean. The mean of this contrast over a piece of the edge
-falls from a level on one side to a level on the other, and the area under it says where: at the step of the same
-area, whatever the blur. The area is a sum over pixels, so that speckles cancel instead of pulling the edge to the
-nearest of them.
+Grey levels are sampled along the normals of the feature. One side of an edge, usually the background of a speckled
+specimen, varies less than the other: with B its mean level, ``|I - B|`` is small on that side and large on the other,
+be it brighter, darker, or speckled about the same mean. The mean of this contrast over a segment of the edge falls from
+one level to another; the edge is the step function of the same area, whatever the blur. The area is a sum over pixels,
+so that speckles average out.
 """
 
 from dataclasses import dataclass
@@ -24,41 +23,41 @@ __all__ = ["Edge", "Strip", "across_jacobian", "measure_edge", "prepare_strip"]
 _STEP_PX = 0.5
 _NEIGHBOURS = 2
 _SMALLEST_STEP = 0.3
-"""Part of the median step below which a piece shows no edge."""
-_ROOM = 0.4
-"""Largest reach, in distances to the next boundary of the mesh."""
-_FARTHEST_ROOM_PX = 200.0
-_ROOM_STEP_PX = 2.0
+"""Fraction of the median step below which a segment shows no edge."""
+_LARGEST_REACH = 0.4
+"""Largest search distance, relative to the distance of the next boundary of the mesh."""
+_LARGEST_CLEARANCE_PX = 200.0
+_CLEARANCE_STEP_PX = 2.0
 _PROFILES_AT_ONCE = 256
 _MARGIN_PX = 2
-"""Around the points whose grey levels are read, for what the interpolation takes from their neighbours."""
+"""Margin around the points sampled, for the support of the interpolation."""
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """A feature made ready.
+    """A feature with its sample points.
 
     Attributes
     ----------
     name : str
-        Of the feature.
+        Name of the feature.
     samples : Samples
-        Points along it.
-    room : float
-        Distance in pixels, in the middle, from the feature to the next boundary on either side.
+        Points along the feature.
+    clearance : float
+        Median distance in pixels from the feature to the next boundary on either side.
     """
 
     name: str
     samples: Samples
-    room: float
+    clearance: float
 
     @property
     def num_blocks(self) -> int:
-        """Number of pieces that are measured."""
+        """Number of segments."""
         return int(self.samples.blocks[-1]) + 1
 
     def block_means(self, values: Floats) -> Floats:
-        """Return the means over each piece of values at the samples, shape (n, ...)."""
+        """Return the means over each segment of values at the samples, shape (n, ...)."""
         starts = np.searchsorted(self.samples.blocks, np.arange(self.num_blocks))
         counts = np.diff(np.append(starts, len(values)))
         sums = np.add.reduceat(values, starts, axis=0)
@@ -68,21 +67,21 @@ class Strip:
 
 @dataclass(frozen=True, eq=False)
 class Edge:
-    """The edge found near a feature, piece by piece.
+    """The edge found near a feature, by segments.
 
     Attributes
     ----------
     distances : ndarray, shape (b,)
-        From the projected feature, in pixels, positive out of the material.
+        Distances from the projected feature, in pixels, positive out of the material.
     valid : ndarray of bool, shape (b,)
-        The pieces that show an edge of the common direction.
+        True for segments with an edge of the common sign.
     pixels : ndarray, shape (b, 2)
-        Where it is seen.
+        Image points of the edge.
     jacobian : ndarray, shape (b, p)
-        Derivatives of the feature's position across itself by the free parameters.
+        Derivatives of the normal position of the feature with respect to the free parameters.
     inflation : float
-        Variance of the mean distance over that which the scatter of the pieces shows: the levels of the two sides come
-        from a band of finite width and from neighbouring pieces together.
+        Variance of the mean distance relative to that estimated from the scatter of the segments, which share the
+        levels of their two sides with their neighbours.
     """
 
     distances: Floats
@@ -93,11 +92,11 @@ class Edge:
 
 
 def prepare_strip(name: str, mesh: Mesh, samples: Samples, camera: Placeable) -> Strip:
-    """Measure how much room there is around a feature before the next boundary of the mesh."""
+    """Measure the distance from a feature to the next boundary of the mesh."""
     pixel = 1.0 / np.linalg.norm(np.einsum("nij,nj->ni", camera.jacobian(samples.points), samples.normals), axis=1)
     some = np.unique(np.linspace(0, len(pixel) - 1, 40).astype(int))
-    reach = np.arange(_ROOM_STEP_PX, _FARTHEST_ROOM_PX, _ROOM_STEP_PX)
-    rooms = []
+    reach = np.arange(_CLEARANCE_STEP_PX, _LARGEST_CLEARANCE_PX, _CLEARANCE_STEP_PX)
+    clearances = []
     for sign, expected in ((-1.0, True), (1.0, False)):
         offsets = sign * reach[:, np.newaxis] * pixel[some, np.newaxis, np.newaxis] * samples.normals[some, np.newaxis]
         places = (samples.points[some, np.newaxis] + offsets).reshape(-1, 3)
@@ -105,8 +104,8 @@ def prepare_strip(name: str, mesh: Mesh, samples: Samples, camera: Placeable) ->
         changed = inside != expected
         # Next to a curved feature the chords of the mesh are on the wrong side: the first pixels do not count.
         changed[:, :2] = False
-        rooms.append(np.where(changed.any(axis=1), reach[changed.argmax(axis=1)], _FARTHEST_ROOM_PX))
-    return Strip(name, samples, float(np.median(np.minimum(*rooms))))
+        clearances.append(np.where(changed.any(axis=1), reach[changed.argmax(axis=1)], _LARGEST_CLEARANCE_PX))
+    return Strip(name, samples, float(np.median(np.minimum(*clearances))))
 
 
 def measure_edge(
@@ -119,23 +118,23 @@ def measure_edge(
     image : ndarray, shape (height, width)
         The image.
     camera : FrontParallel or Pinhole
-        Where the feature is thought to be.
+        Camera that projects the feature near its edge.
     strip : Strip
         The feature.
     names : tuple of str
         The free parameters.
     reach : float
-        How far, in pixels, the edge may be away; less where the next boundary is near.
+        Search distance in pixels; reduced if the next boundary is near.
     band : float
-        Width, in pixels, of the bands beyond the reach that give the levels of the two sides.
+        Width in pixels of the bands beyond the search distance that give the levels of the two sides.
 
     Returns
     -------
     Edge
-        What is found; NaN where the image ends.
+        The edge; NaN outside the image.
     """
-    reach = min(reach, _ROOM * strip.room)
-    band = min(band, strip.room - reach)
+    reach = min(reach, _LARGEST_REACH * strip.clearance)
+    band = min(band, strip.clearance - reach)
     offsets = np.arange(-reach - band, reach + band + 0.5 * _STEP_PX, _STEP_PX)
     centres, normals = camera.project(strip.samples.points), image_normals(camera, strip.samples)
     places = centres[:, np.newaxis] + offsets[:, np.newaxis] * normals[:, np.newaxis]
@@ -160,7 +159,7 @@ def measure_edge(
 
 
 def across_jacobian(camera: Placeable, strip: Strip, names: tuple[str, ...]) -> Floats:
-    """Return the derivatives (b, p) of the position of a feature across itself, piece by piece, by parameters."""
+    """Return the derivatives (b, p) of the normal position of each segment of a feature."""
     slopes = pose_jacobian(camera, strip.samples.points, names)
     return strip.block_means(np.einsum("ni,nip->np", image_normals(camera, strip.samples), slopes))
 
@@ -168,7 +167,7 @@ def across_jacobian(camera: Placeable, strip: Strip, names: tuple[str, ...]) -> 
 def _grey_levels(image: Image, places: Floats) -> Floats:
     """Return the grey levels (n, k) at image points (n, k, 2); NaN outside the image.
 
-    Only the part of the image around some consecutive profiles is prepared at a time.
+    Consecutive profiles are sampled in groups, from the part of the image around them.
     """
     size = np.array(image.shape[::-1])
     grey = np.full(places.shape[:2], np.nan)
@@ -186,19 +185,21 @@ def _grey_levels(image: Image, places: Floats) -> Floats:
 
 
 def _contrast(grey: Floats, inner: NDArray[np.bool_], outer: NDArray[np.bool_], strip: Strip) -> Floats:
-    """Return ``|I - B|``, with B the level of the quieter side near each sample."""
-    levels, unrest = [], []
+    """Return ``|I - B|``, with B the level near each sample of the side that varies less."""
+    levels, variation = [], []
     for side in (inner, outer):
         level = _smoothed(strip.block_means(grey[:, side].mean(axis=1)))[strip.samples.blocks]
         levels.append(level)
-        unrest.append(np.nanmedian(np.abs(grey[:, side] - level[:, np.newaxis])) if np.isfinite(level).any() else 0.0)
-    quiet = levels[int(np.argmin(unrest))]
-    contrast: Floats = np.abs(grey - quiet[:, np.newaxis])
+        variation.append(
+            np.nanmedian(np.abs(grey[:, side] - level[:, np.newaxis])) if np.isfinite(level).any() else 0.0
+        )
+    background = levels[int(np.argmin(variation))]
+    contrast: Floats = np.abs(grey - background[:, np.newaxis])
     return contrast
 
 
 def _smoothed(values: Floats) -> Floats:
-    """Return the means of values along a feature and of the two on either side of each."""
+    """Return moving averages along a feature, over two neighbours on either side."""
     kernel = np.ones(2 * _NEIGHBOURS + 1)
     known = np.isfinite(values)
     sums = np.convolve(np.where(known, values, 0.0), kernel, mode="full")

@@ -1,4 +1,4 @@
-"""Named pieces of a mesh's boundary: straight sides, circles, arcs, whole loops."""
+"""Named parts of a mesh's boundary: straight sides, circles, arcs, whole loops."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -22,20 +22,20 @@ _SIDES = ("right", "top", "left", "bottom")
 
 @dataclass(frozen=True, eq=False)
 class BoundaryFeature:
-    """A named piece of the boundary of a mesh.
+    """A named part of the boundary of a mesh.
 
     Attributes
     ----------
     name : str
-        Such as ``"left"`` or ``"hole 0"``.
+        Name, such as ``"left"`` or ``"hole 0"``.
     kind : {"side", "circle", "arc", "loop"}
-        A straight piece, a whole circle, a part of one, or any closed loop.
+        Straight side, whole circle, arc of a circle, or any closed loop.
     nodes : ndarray of int, shape (n,)
         Its nodes in order, the material on the left.
     length : float
-        In the mesh's unit.
+        Length in the mesh's unit.
     description : str
-        Where it is, in words.
+        Position and size in words.
     pieces : tuple of Piece
         Its lines and arcs; one unless it is a loop.
     """
@@ -52,13 +52,12 @@ class BoundaryFeature:
 
 
 def boundary_features(mesh: Mesh) -> list[BoundaryFeature]:
-    """List the pieces of a mesh's boundary that `fedic.register` can fit to an image.
+    """List the parts of a mesh's boundary that `fedic.register` can fit to an image.
 
-    Each loop of the boundary is cut at its corners, and where lines pass into arcs. The names of the outer boundary's
-    straight sides are ``left``, ``right``, ``bottom`` and ``top`` as the mesh is drawn with X to the right and Y
-    upwards, numbered where several face the same way; its arcs are ``arc 0``, ``arc 1``, ...; the whole of it is
-    ``outline``. Holes are ``hole 0``, ``hole 1``, ... from left to right; the pieces of one that is no circle are
-    ``hole 0 left``, ...
+    Each loop of the boundary is cut at its corners and at the ends of its arcs. The straight sides of the outer
+    boundary are named ``left``, ``right``, ``bottom`` and ``top``, with X to the right and Y upwards, and numbered if
+    several face the same way; its arcs are ``arc 0``, ``arc 1``, ...; the whole of it is ``outline``. Holes are ``hole
+    0``, ``hole 1``, ... from left to right; the parts of one that is not a circle are ``hole 0 left``, ...
 
     Parameters
     ----------
@@ -88,7 +87,7 @@ def boundary_features(mesh: Mesh) -> list[BoundaryFeature]:
 
 
 def chosen_features(mesh: Mesh, wanted: Sequence[str | BoundaryFeature]) -> list[BoundaryFeature]:
-    """Look features up by name.
+    """Look up features by name.
 
     Parameters
     ----------
@@ -100,7 +99,7 @@ def chosen_features(mesh: Mesh, wanted: Sequence[str | BoundaryFeature]) -> list
     Returns
     -------
     list of BoundaryFeature
-        In the order wanted.
+        The features, in the order given.
 
     Raises
     ------
@@ -113,10 +112,12 @@ def chosen_features(mesh: Mesh, wanted: Sequence[str | BoundaryFeature]) -> list
     chosen = []
     for each in wanted:
         if isinstance(each, str) and each not in known:
-            raise MeshError(f"features: the mesh has no boundary piece {each!r}; it has{listed_features(mesh)}")
+            raise MeshError(f"features: the mesh has no boundary part {each!r}; it has{listed_features(mesh)}")
         feature = known[each] if isinstance(each, str) else each
         if feature.nodes.max() >= mesh.num_nodes:
-            raise MeshError(f"features: {feature.name!r} has nodes this mesh has not; it is a feature of another mesh.")
+            raise MeshError(
+                f"features: {feature.name!r} has nodes that are not in this mesh; it is a feature of another mesh."
+            )
         chosen.append(feature)
     twice = [name for name, count in Counter(feature.name for feature in chosen).items() if count > 1]
     if twice:
@@ -145,7 +146,7 @@ def _named_pieces(pieces: list[Piece], points: Floats, prefix: str, *, inwards: 
 
 
 def _facing(piece: Piece, points: Floats, *, inwards: bool) -> str:
-    """Return the side of its loop a straight piece is on: by the normal that leaves the material, or that of a hole."""
+    """Return the side of its loop on which a straight piece lies, from its normal out of the material or the hole."""
     along = points[piece.segments[-1, 2], :2] - points[piece.segments[0, 0], :2]
     normal = np.array([along[1], -along[0]]) * (-1.0 if inwards else 1.0)
     quarter = round(float(np.arctan2(normal[1], normal[0])) / (0.5 * np.pi)) % 4

@@ -1,8 +1,8 @@
-"""The pose that brings points and edges to where they are seen, by weighted least squares.
+"""Weighted least-squares fit of a pose to point pairs and edges.
 
-Point pairs alone are a problem of Levenberg and Marquardt. Edges are measured again after each step, first far and
-wide, then closely, with Tukey's weights on the distances. The noise of each feature and of the points comes from what
-is left.
+Point pairs alone are a nonlinear least-squares problem. Edges are measured again after each step, first over wide and
+then over narrow bands, with Tukey's weights on the distances. The noise of each feature and of the points is estimated
+from the residuals.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from fedic.registration._problem import Estimate, Group, Problem, for_all_unknow
 __all__ = ["fit_edges", "fit_pairs"]
 
 _STAGES = ((24.0, 16.0, 6, 0.2), (12.0, 16.0, 8, 0.05), (3.0, 8.0, 40, 1e-3))
-"""Reach and band in pixels, most iterations, and the motion in pixels below which the stage is over."""
+"""Search distance and band in pixels, largest number of iterations, and motion in pixels that ends the stage."""
 _FULL_STEPS = 10
 _SMALLEST_NOISE = 0.01
 _REWEIGHTINGS = 8
@@ -31,7 +31,7 @@ _TOLERANCE, _IMMATERIAL = 1e-9, 1e-6
 
 
 def fit_pairs(estimate: Estimate, problem: Problem) -> Estimate:
-    """Minimise the distances of the points.
+    """Minimise the distances of the point pairs.
 
     Raises
     ------
@@ -76,21 +76,21 @@ class _PairProblem:
 
 
 def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Group], float]:
-    """Bring the features to their edges.
+    """Fit the features to their edges in the image.
 
     Returns
     -------
     Estimate
-        Where they are.
+        The minimum.
     list of Group
-        The rows there, the points' last.
+        The rows at the minimum, those of the points last.
     float
         The largest motion of the last step, in pixels.
 
     Raises
     ------
     SolveError
-        If a parameter would be left so uncertain that the fit may run away.
+        If the data hardly determine a parameter, so that the fit may diverge.
     """
     motion = np.inf
     for index, (reach, band, iterations, enough) in enumerate(_STAGES):
@@ -102,7 +102,7 @@ def fit_edges(estimate: Estimate, problem: Problem) -> tuple[Estimate, list[Grou
         for iteration in range(iterations):
             groups = _measured(estimate, stage, reach, band)
             step, groups = _robust_step(groups, edge_weights)
-            # Pieces that count and do not count in turn would keep the fit swinging between two places.
+            # Segments that are used and left out in turn would make the fit oscillate.
             estimate = estimate.moved(stage.names, step * 0.5 ** (iteration // _FULL_STEPS))
             motion = max(float(np.abs(group.jacobian @ step).max()) for group in groups)
             if motion <= enough:

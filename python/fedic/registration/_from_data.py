@@ -1,4 +1,4 @@
-"""`register`: the pose of a mesh from point pairs, edges in the image, or a target."""
+"""Registration: the pose of a mesh from point pairs, edges in the image, or a target."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,7 +27,7 @@ __all__ = ["register"]
 Features: TypeAlias = Sequence[str | BoundaryFeature]
 
 _FEWEST_TO_JUDGE = 6
-"""Points beside other data from which their noise is taken from what is left."""
+"""Number of points, beside other data, from which their noise is estimated from the residuals."""
 _EXPECTED_NOISE_PX = 0.5
 _NOISE = "a positive number of pixels"
 _SEARCH = "a number of pixels, zero or more"
@@ -48,51 +48,51 @@ def register(
     pixel_noise: float | None = None,
     search: float = 60.0,
 ) -> Registration:
-    """Find where a mesh is in an image: the pose of a camera in the frame of the mesh.
+    """Estimate the pose of a camera in the frame of a mesh from an image of the specimen.
 
-    From any of three sources, or several together: points of the mesh and the pixels they are seen at; features of the
-    mesh's boundary, whose edges are looked for in the image around a rough start; a calibration target that lies on the
-    specimen. With a front-parallel camera the scale is found too; with a pinhole it comes from the calibration, and the
-    lens and the focal lengths are kept.
+    The data are any of, or several together: points of the mesh with their image points; features of the mesh's
+    boundary, whose edges are searched for in the image around a rough start; a calibration target on the specimen. For
+    a front-parallel camera the scale is estimated too; for a pinhole it follows from the calibration, whose lens and
+    focal lengths are kept.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     image : ndarray, shape (height, width)
-        The specimen, as in the reference image of the measurement.
+        Image of the specimen, such as the reference image of the measurement.
     camera : FrontParallel or Pinhole
-        The rough start; for a pinhole also the calibration. The whole pose of a pinhole from four points in a plane or
-        more does not depend on the start; with a target whose place on the mesh is given, the start only tells which
-        way up the target is.
+        Rough start; for a pinhole also the calibration. The start has no influence on the pose of a pinhole estimated
+        from at least four coplanar points; with a target of known placement on the mesh it only decides which way up
+        the target is.
     points : (array_like (m, 2) or (m, 3), array_like (m, 2)), optional
-        Points in the frame of the mesh, and their pixels ``(u, v)``.
+        Points in the frame of the mesh, and their image points ``(u, v)``.
     features : sequence of str or BoundaryFeature
-        Pieces of the boundary, see `fedic.boundary_features`.
+        Parts of the boundary, see `fedic.boundary_features`.
     target : str or Target, optional
-        Such as ``"chessboard:11x7:8"``, see `fedic.calibration.parse_target`, in the unit of the mesh; for a pinhole.
+        Target, such as ``"chessboard:11x7:8"`` (see `fedic.calibration.parse_target`), in the unit of the mesh; for a
+        pinhole only.
     target_origin : (float, float), optional
-        Where the origin of the target (`fedic.calibration.Target`) is in the frame of the mesh. If not given, the
-        target gives the plane of the specimen, and features or points the place in it.
+        Origin of the target (`fedic.calibration.Target`) in the frame of the mesh. Without it the target determines the
+        plane of the specimen, and features or points the position in that plane.
     target_angle : float, optional
-        Angle from the X axis of the mesh to that of the target, in radians, where its origin is given; zero if not
-        given.
+        Angle from the X axis of the mesh to that of the target in radians, zero by default; needs `target_origin`.
     target_thickness : float
         Height of the printed face above the plane Z = 0 of the mesh, in the mesh's unit.
     free : sequence of str, optional
-        The parameters to find: of ``u0 v0 angle scale`` (front-parallel), or of ``rx ry rz tx ty tz`` (pinhole:
-        rotations about the camera's axes, translation). All if not given.
+        Parameters to estimate: any of ``u0 v0 angle scale`` (front-parallel), or of ``rx ry rz tx ty tz`` (pinhole:
+        rotations about the camera's axes, translation). By default all.
     pixel_noise : float, optional
-        Standard deviation of a coordinate of a given point's pixel. If not given it comes from the residuals, or,
-        beside features or a target, is taken to be 0.5 px where there are fewer than six points.
+        Standard deviation of a coordinate of the given image points. By default estimated from the residuals; fewer
+        than six points beside features or a target are assumed to have 0.5 px.
     search : float
-        How far, in pixels, the centre of the features may be from where the start puts it, besides a turn of 4 degrees
-        and 6 % of scale; zero if the start is right to some pixels.
+        Largest distance in pixels between the centre of the features and its position in the start; rotations up to 4
+        degrees and changes of scale up to 6 % are searched too. Zero if the start is right to a few pixels.
 
     Returns
     -------
     Registration
-        The camera, its covariance, and what is left at each feature and point.
+        The camera, its covariance, and the residuals of each feature and point.
 
     Raises
     ------
@@ -121,14 +121,14 @@ def register(
         pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]
     if not pairs and not wanted and lying is None:
         listed = listed_features(mesh)
-        raise CameraError(f"register: give points, features or a target to place the mesh by; the features are{listed}")
+        raise CameraError(f"register: give points, features or a target; the features are{listed}")
 
     estimate, problem = Estimate(start), Problem(grey, names)
     if lying is not None:
         if lying.place is None and not pairs and not wanted:
             raise CameraError(
-                "target: it gives the plane of the specimen; say where it lies on the mesh, target_origin=(x, y), or "
-                "give features or points to find the place by."
+                "target: it determines the plane of the specimen only; give target_origin=(x, y), features or points "
+                "to determine the position in that plane."
             )
         found = target_pairs(grey, start, lying)
         if lying.place is None:
@@ -161,7 +161,7 @@ def _inside(image: Image, pairs: Pairs) -> Pairs:
         number = int(outside.argmax())
         u, v = pairs.pixels[number]
         raise CameraError(
-            f"points: pixel number {number} at ({u:g}, {v:g}) is out of the image of {width} x {height} px; give "
+            f"points: pixel number {number} at ({u:g}, {v:g}) is outside the image of {width} x {height} px; give "
             "(u, v), the column first."
         )
     return pairs

@@ -1,4 +1,4 @@
-"""Numbers as a caller gives them."""
+"""Checks of numbers given by the caller."""
 
 import math
 from numbers import Real
@@ -14,16 +14,16 @@ def finite_number(name: str, value: object, wanted: str) -> float:
     Parameters
     ----------
     name : str
-        Of the argument.
+        Name of the argument.
     value : object
-        What the caller gave.
+        Value given by the caller.
     wanted : str
-        What to give instead, for the message.
+        Description of a valid value, for the message.
 
     Raises
     ------
     CameraError
-        If it is no number, or not finite.
+        If the value is not a number, or not finite.
     """
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
         raise CameraError(f"{name}={value!r}: give {wanted}.")

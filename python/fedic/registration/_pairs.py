@@ -1,4 +1,4 @@
-"""Points of the mesh's frame seen at known pixels, given by hand or found on a target."""
+"""Point pairs: points in the frame of the mesh and their image points, given by hand or found on a target."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -7,7 +7,7 @@ import numpy as np
 
 from fedic._core import Pinhole
 from fedic._internal.types import Floats, StrPath
-from fedic.cameras.poses import flat_poses, posed
+from fedic.cameras.poses import flat_poses, with_pose
 from fedic.errors import CameraError
 from fedic.registration._pose import Placeable, pose_jacobian
 from fedic.registration._space import in_space
@@ -19,20 +19,21 @@ _FEWEST_FOR_A_POSE = 4
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Points and where they are seen.
+    """Points and their image points.
 
     Attributes
     ----------
     points : ndarray, shape (n, 3)
-        In the frame of the mesh; of a target whose place is unknown, in its own with Z its height above the mesh.
+        Points in the frame of the mesh; those of a target of unknown placement in its own frame, Z being the height
+        above the mesh.
     pixels : ndarray, shape (n, 2)
-        Where they are seen.
+        Image points.
     placed : bool
-        Whether the points are in the frame of the mesh.
+        True if the points are in the frame of the mesh.
     noise : float
-        Standard deviation of a coordinate of a pixel: as far as it is known, else as it is expected.
+        Standard deviation of a coordinate of an image point, in pixels; an expected value if not `known`.
     known : bool
-        Whether it is known; if not, it comes from what is left.
+        True if the noise is known; otherwise it is estimated from the residuals.
     """
 
     points: Floats
@@ -44,35 +45,35 @@ class Pairs:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a target lies on the plane of the mesh: its origin, and the angle of its X axis, in radians."""
+    """Placement of a target on the plane of the mesh: its origin, and the angle of its X axis in radians."""
 
     x: float = 0.0
     y: float = 0.0
     angle: float = 0.0
 
     def carry(self, points: Floats) -> Floats:
-        """Take points (n, 3) of the target to the frame of the mesh."""
+        """Transform points (n, 3) of the target to the frame of the mesh."""
         carried: Floats = points @ self.turn.T + [self.x, self.y, 0.0]
         return carried
 
     @property
     def turn(self) -> Floats:
-        """The rotation, shape (3, 3)."""
+        """Rotation matrix, shape (3, 3)."""
         cos, sin = np.cos(self.angle), np.sin(self.angle)
         return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
     def moved(self, step: Floats) -> "Place":
-        """Return the place moved by steps of x, y and angle."""
+        """Return the placement changed by steps of x, y and angle."""
         return replace(self, x=self.x + step[0], y=self.y + step[1], angle=self.angle + step[2])
 
 
 def checked_pairs(points: object) -> Pairs:
-    """Check the point pairs a caller gave.
+    """Check point pairs given by the caller.
 
     Raises
     ------
     CameraError
-        If they are no pair of arrays (m, 2) or (m, 3) and (m, 2) of finite numbers.
+        If they are not a pair of arrays (m, 2) or (m, 3) and (m, 2) of finite numbers.
     """
     expected = "give points=(points (m, 2) or (m, 3), pixels (m, 2))"
     try:
@@ -93,7 +94,7 @@ def read_pairs(path: StrPath) -> tuple[Floats, Floats]:
     Parameters
     ----------
     path : str or path
-        A line for each pair: X, Y, u, v or X, Y, Z, u, v, separated by blanks or commas; ``#`` begins a comment.
+        File with one pair per line: X, Y, u, v or X, Y, Z, u, v, separated by blanks or commas; ``#`` begins a comment.
 
     Returns
     -------
@@ -103,7 +104,7 @@ def read_pairs(path: StrPath) -> tuple[Floats, Floats]:
     Raises
     ------
     CameraError
-        If the file is missing or holds anything else.
+        If the file is missing or has another content.
     """
     try:
         lines = Path(path).read_text(encoding="utf-8").replace(",", " ").splitlines()
@@ -116,9 +117,9 @@ def read_pairs(path: StrPath) -> tuple[Floats, Floats]:
 
 
 def pair_rows(camera: Placeable, place: Place | None, pairs: Pairs, names: tuple[str, ...]) -> tuple[Floats, Floats]:
-    """Return seen minus projected pixels, (2 n,), and the derivatives of the projection by the unknowns, (2 n, p).
+    """Return the residuals (2 n,), measured minus projected, and the Jacobian (2 n, p) of the projection.
 
-    The unknowns are the free parameters and, where a place is given, those of the place.
+    The unknowns are the free parameters and, if a placement is given, its x, y and angle.
     """
     points = pairs.points if pairs.placed or place is None else place.carry(pairs.points)
     residuals = (pairs.pixels - camera.project(points)).ravel()
@@ -136,9 +137,9 @@ def pair_rows(camera: Placeable, place: Place | None, pairs: Pairs, names: tuple
 
 
 def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:
-    """Return the poses a plane of points nearly allows (Collins and Bartoli, 2014); none where they do not apply.
+    """Return the one or two poses that fit coplanar points (Collins and Bartoli, 2014); none if they are not coplanar.
 
-    The lens is taken out first, whatever its model: pixels are taken back to the plane at unit distance.
+    The distortion is removed first, for any lens model, by unprojecting the image points to the plane at unit distance.
     """
     import cv2
 
@@ -147,12 +148,12 @@ def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:
     if len(pairs.points) < _FEWEST_FOR_A_POSE or not flat or spread[1] < 1e-3 * spread[0]:
         return []
     try:
-        retinal = posed(camera, np.eye(3), np.zeros(3)).unproject(pairs.pixels, z=1.0)[:, :2].copy()
+        retinal = with_pose(camera, np.eye(3), np.zeros(3)).unproject(pairs.pixels, z=1.0)[:, :2].copy()
     except CameraError:
         return []
     height = np.array([0.0, 0.0, pairs.points[0, 2]])
     found = []
     for vector, translation in flat_poses(pairs.points - height, retinal, np.eye(3)):
         turn = np.asarray(cv2.Rodrigues(vector)[0], dtype=np.float64)
-        found.append(posed(camera, turn, translation - turn @ height))
+        found.append(with_pose(camera, turn, translation - turn @ height))
     return found

@@ -1,4 +1,4 @@
-"""A loop of nodes cut into straight pieces and arcs of circles."""
+"""Partition of a loop of nodes into straight pieces and circular arcs."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,7 +12,7 @@ from fedic._internal.types import Floats
 __all__ = ["Circle", "Piece", "cut_loop", "fit_circle"]
 
 _TOLERANCE = 2e-4
-"""Distance of nodes to their line or circle, in sizes of the mesh."""
+"""Largest distance of nodes from their line or circle, relative to the size of the mesh."""
 _CORNER = np.deg2rad(25.0)
 _SMALLEST_SWEEP = np.deg2rad(20.0)
 _FEWEST_ON_ARC = 5
@@ -42,11 +42,11 @@ class Piece:
     Attributes
     ----------
     segments : ndarray of int, shape (n, 3)
-        As in `fedic.registration._boundary.Loop`.
+        Segments, see `fedic.registration._boundary.Loop`.
     circle : Circle, optional
-        None where the piece is straight.
+        Circle of an arc; None for a straight piece.
     closed : bool
-        Whether it is the whole loop.
+        True if the piece is the whole loop.
     """
 
     segments: NDArray[np.int64]
@@ -60,16 +60,16 @@ def cut_loop(segments: NDArray[np.int64], points: Floats, size: float) -> list[P
     Parameters
     ----------
     segments : ndarray of int, shape (n, 3)
-        Of the loop.
+        Segments of the loop.
     points : ndarray, shape (m, 3)
         Nodes of the mesh.
     size : float
-        Of the mesh, in its unit: the measure of what is straight.
+        Size of the mesh, to which the tolerances are relative.
 
     Returns
     -------
     list of Piece
-        In the order of the loop; a whole circle is one piece.
+        Pieces in the order of the loop; a whole circle is one piece.
     """
     plane = points[:, :2]
     turns = _turns(segments, plane)
@@ -118,7 +118,7 @@ def _turns(segments: NDArray[np.int64], plane: Floats) -> Floats:
 
 
 def _nodes(segments: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the nodes of some segments, without the middles that are none."""
+    """Return the nodes of segments, without missing middles."""
     nodes = segments.ravel()
     return nodes[nodes >= 0]
 
@@ -128,13 +128,13 @@ def _off_circle(circle: Circle, plane: Floats) -> float:
 
 
 def _longest(segments: NDArray[np.int64], plane: Floats, tolerance: float) -> Piece:
-    """Return the longest straight beginning, or the longest arc where that reaches further."""
+    """Return the longest straight piece at the beginning, or the longest arc if that is longer."""
 
     def straight(count: int) -> bool:
         start, end = plane[segments[[0, count - 1], [0, 2]]]
         along = (end - start) / max(float(np.linalg.norm(end - start)), np.finfo(float).tiny)
-        arm = plane[_nodes(segments[:count])] - start
-        return bool(np.abs(arm[:, 0] * along[1] - arm[:, 1] * along[0]).max() <= tolerance)
+        offsets = plane[_nodes(segments[:count])] - start
+        return bool(np.abs(offsets[:, 0] * along[1] - offsets[:, 1] * along[0]).max() <= tolerance)
 
     def arc(count: int) -> Circle | None:
         nodes = plane[_nodes(segments[:count])]

@@ -1,8 +1,8 @@
-"""The parameters that place a camera: their names, derivatives of the image points by them, cameras moved by them.
+"""Pose parameters of a camera: names, derivatives of image points, and cameras with changed parameters.
 
-A front-parallel camera has ``u0 v0 angle scale``, its origin in pixels, its angle in radians, its scale in pixels per
+A front-parallel camera has ``u0 v0 angle scale``: its origin in pixels, its angle in radians, its scale in pixels per
 unit. A pinhole has ``rx ry rz``, a rotation of the world about its origin and the camera's axes in radians, and ``tx ty
-tz``, the translation in the world's unit, as `Pinhole::moved_by` in Rust.
+tz``, the translation in the world's unit.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 
 from fedic._core import FrontParallel, Pinhole
 from fedic._internal.types import Floats
-from fedic.cameras.poses import posed
+from fedic.cameras.poses import with_pose
 from fedic.errors import CameraError
 
 __all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "similarity_parameters"]
@@ -25,7 +25,7 @@ _SIMILARITY = ("u0", "v0", "angle", "scale", "rz", "tx", "ty", "tz")
 
 
 def placeable(camera: object) -> Placeable:
-    """Return a camera that has a pose.
+    """Check that a camera has a pose.
 
     Raises
     ------
@@ -35,20 +35,20 @@ def placeable(camera: object) -> Placeable:
     if isinstance(camera, (FrontParallel, Pinhole)):
         return camera
     raise CameraError(
-        f"camera: {type(camera).__name__} has no pose to be found; give a FrontParallel or a Pinhole with the rough "
-        "place of the mesh."
+        f"camera: a {type(camera).__name__} has no pose to estimate; give a FrontParallel or a Pinhole with a rough "
+        "pose."
     )
 
 
 def free_parameters(camera: Placeable, free: Sequence[str] | None) -> tuple[str, ...]:
-    """Return the names of the free parameters of a camera, in their order.
+    """Return the names of the free parameters of a camera, in the order of the camera.
 
     Parameters
     ----------
     camera : FrontParallel or Pinhole
         The camera.
     free : sequence of str, optional
-        Those wanted; all if not given.
+        Names of the free parameters; by default all.
 
     Raises
     ------
@@ -62,17 +62,19 @@ def free_parameters(camera: Placeable, free: Sequence[str] | None) -> tuple[str,
     unknown = [name for name in wanted if name not in known]
     if unknown or not wanted:
         given = repr(unknown[0]) if unknown else "nothing"
-        raise CameraError(f"free: {given} is no parameter of a {type(camera).__name__}; they are {', '.join(known)}.")
+        raise CameraError(
+            f"free: {given} is not a parameter of a {type(camera).__name__}; give any of {', '.join(known)}."
+        )
     return tuple(name for name in known if name in wanted)
 
 
 def similarity_parameters(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those of some parameters that move, turn and scale the image of the mesh and hardly distort it."""
+    """Return the parameters, among those given, that translate, rotate and scale the image of the mesh."""
     return tuple(name for name in names if name in _SIMILARITY)
 
 
 def pose_jacobian(camera: Placeable, points: Floats, names: Sequence[str]) -> Floats:
-    """Return the derivatives of image points by parameters.
+    """Return the derivatives of image points with respect to pose parameters.
 
     Parameters
     ----------
@@ -86,7 +88,7 @@ def pose_jacobian(camera: Placeable, points: Floats, names: Sequence[str]) -> Fl
     Returns
     -------
     ndarray, shape (n, 2, p)
-        In pixels per radian, pixel or unit.
+        Derivatives in pixels per radian, pixel or unit.
     """
     columns = {}
     if isinstance(camera, FrontParallel):
@@ -105,7 +107,7 @@ def pose_jacobian(camera: Placeable, points: Floats, names: Sequence[str]) -> Fl
 
 
 def move(camera: Placeable, names: Sequence[str], steps: Floats) -> Placeable:
-    """Return the camera whose parameters differ by some steps."""
+    """Return the camera with its parameters changed by steps."""
     by_name = dict(zip(names, (float(step) for step in steps), strict=True))
     if isinstance(camera, FrontParallel):
         u0, v0, angle, scale = (by_name.get(name, 0.0) for name in _FRONT_PARALLEL)
@@ -116,4 +118,4 @@ def move(camera: Placeable, names: Sequence[str], steps: Floats) -> Placeable:
     rx, ry, rz, dx, dy, dz = (by_name.get(name, 0.0) for name in _PINHOLE)
     turn = np.asarray(cv2.Rodrigues(np.array([rx, ry, rz]))[0])
     tx, ty, tz = camera.translation
-    return posed(camera, turn @ camera.rotation, np.array([tx + dx, ty + dy, tz + dz]))
+    return with_pose(camera, turn @ camera.rotation, np.array([tx + dx, ty + dy, tz + dz]))

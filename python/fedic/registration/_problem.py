@@ -1,4 +1,4 @@
-"""What a registration knows and looks for: unknowns, data, and rows of the least-squares problem."""
+"""Unknowns, data and rows of the least-squares problem of a registration."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,20 +16,20 @@ __all__ = ["Estimate", "Group", "Problem", "for_all_unknowns", "pair_groups", "u
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Values of the unknowns: a camera and, where a target's place is unknown, that place."""
+    """Values of the unknowns: a camera and, if it is unknown, the placement of a target."""
 
     camera: Placeable
     place: Place | None = None
 
     def moved(self, names: tuple[str, ...], step: Floats) -> "Estimate":
-        """Return the estimate moved by a step: the parameters `names`, then those of the place."""
+        """Return the estimate moved by a step: the parameters `names`, then those of the placement."""
         place = None if self.place is None else self.place.moved(step[len(names) :])
         return Estimate(move(self.camera, names, step[: len(names)]), place)
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What is known.
+    """Data of a registration.
 
     Attributes
     ----------
@@ -38,9 +38,9 @@ class Problem:
     names : tuple of str
         The free parameters.
     strips : sequence of Strip
-        Features whose edges count.
+        Features whose edges are fitted.
     pairs : sequence of Pairs
-        Points that count.
+        Point pairs that are fitted.
     """
 
     image: Image
@@ -51,22 +51,22 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Rows that share a noise: the edge pieces of a feature, or the coordinates of the points.
+    """Rows of equal noise: the edge segments of a feature, or the coordinates of points.
 
     Attributes
     ----------
     residuals : ndarray, shape (n,)
-        Seen minus projected, in pixels.
+        Measured minus projected, in pixels.
     jacobian : ndarray, shape (n, p)
-        Of the projection by the unknowns.
+        Derivatives of the projection with respect to the unknowns.
     used : ndarray of bool, shape (n,)
-        Those that count.
+        False for rows left out of the fit.
     noise : float
-        Standard deviation, in pixels, of one of them.
+        Standard deviation of a residual, in pixels.
     edge : Edge, optional
-        Where the rows come from an edge.
+        The edge, for the rows of a feature.
     known : bool
-        Whether the noise is known and not to be taken from the residuals.
+        True if the noise is known; otherwise it is estimated from the residuals.
     """
 
     residuals: Floats
@@ -93,5 +93,5 @@ def pair_groups(estimate: Estimate, problem: Problem) -> list[Group]:
 
 
 def for_all_unknowns(estimate: Estimate, jacobian: Floats) -> Floats:
-    """Return derivatives by the parameters with those, zero, by the place of a target."""
+    """Append the derivatives with respect to the placement of a target, which are zero, to those of the parameters."""
     return jacobian if estimate.place is None else np.column_stack([jacobian, np.zeros((len(jacobian), 3))])

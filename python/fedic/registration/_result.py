@@ -1,4 +1,4 @@
-"""What a registration found."""
+"""Result of a registration."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,12 +20,12 @@ __all__ = ["FeatureDistances", "Registration", "check_format"]
 
 
 def check_format(start: object, path: Path) -> None:
-    """Check, before any long work, that a file can hold the camera: the lens and the skew are those of the start.
+    """Check, before any long work, that the format of a file can hold the lens and the skew of a camera.
 
     Raises
     ------
     CameraError
-        If the format of the file cannot express them.
+        If it cannot.
     """
     if path.suffix.lower() != ".toml":
         matrices_of_camera(path, start)
@@ -33,20 +33,20 @@ def check_format(start: object, path: Path) -> None:
 
 @dataclass(frozen=True, eq=False)
 class FeatureDistances:
-    """What is left between a feature of the mesh and the edge in the image.
+    """Distances between a feature of the mesh and its edge in the image.
 
     Attributes
     ----------
     name : str
-        Of the feature.
+        Name of the feature.
     pixels : ndarray, shape (n, 2)
-        The edge in the image, one point for each piece of about 12 px that the feature was cut into.
+        Points of the edge in the image, one for each segment of about 12 px of the feature.
     distances : ndarray, shape (n,)
-        From the projected feature to these points, in pixels, positive out of the material.
+        Distances from the projected feature to these points, in pixels, positive out of the material.
     used : ndarray of bool, shape (n,)
-        The pieces that count; the others show no edge, or one too far off.
+        False for segments that show no edge, or one too far away.
     noise : float
-        Standard deviation, in pixels, of the distance of one piece, enlarged where neighbouring ones are correlated.
+        Standard deviation of the distance of one segment in pixels, including the correlation of neighbours.
     """
 
     name: str
@@ -57,39 +57,39 @@ class FeatureDistances:
 
     @property
     def median(self) -> float:
-        """Median distance without sign of the pieces that count, in pixels."""
+        """Median absolute distance of the segments used, in pixels."""
         return float(np.median(np.abs(self.distances[self.used])))
 
     @property
     def rms(self) -> float:
-        """Root mean square distance of the pieces that count, in pixels."""
+        """Root mean square distance of the segments used, in pixels."""
         return float(np.sqrt((self.distances[self.used] ** 2).mean()))
 
 
 @dataclass(frozen=True, eq=False)
 class Registration(CameraResult):
-    """A camera placed before a mesh, how well it is known, and from what.
+    """A camera with its pose in the frame of a mesh, its uncertainty and its residuals.
 
     Attributes
     ----------
     camera : FrontParallel or Pinhole
-        Projects the mesh to where the specimen is seen.
+        The camera that projects the mesh onto the specimen in the image.
     free : tuple of str
-        The parameters that were found: of ``u0 v0 angle scale`` or of ``rx ry rz tx ty tz``, the latter a rotation of
-        the mesh about its origin and the camera's axes, from where it is now, and the translation.
+        Estimated parameters: any of ``u0 v0 angle scale`` or of ``rx ry rz tx ty tz``, the latter a rotation of the
+        mesh about its origin and the camera's axes, relative to this camera, and the translation.
     covariance : ndarray, shape (p, p)
-        Of the parameters in the order of `free`, in pixels, radians and the mesh's unit; NaN where as many data as
-        unknowns leave it open.
+        Covariance of the parameters in the order of `free`, in pixels, radians and the mesh's unit; NaN if there are no
+        more data than unknowns.
     standard_deviations : dict of str to float
-        Of each parameter.
+        Standard deviation of each parameter.
     features : dict of str to FeatureDistances
-        What is left at each feature.
+        Distances of each feature.
     points : ndarray, shape (m, 3)
-        The points given, or those of the target, in the mesh's frame.
+        Points given, or those of the target, in the mesh's frame.
     pixels : ndarray, shape (m, 2)
-        Where they are seen.
+        Their image points.
     residuals : ndarray, shape (m, 2)
-        Seen minus projected, in pixels.
+        Measured minus projected image points, in pixels.
     mesh : Mesh
         The mesh.
     image : ndarray, shape (height, width)
@@ -119,7 +119,8 @@ class Registration(CameraResult):
                 np.concatenate([each.used for each in found]),
             )
         lines = [
-            f"{each.name}: {each.median:.2f} px median, {each.used.sum()} of {len(each.used)} pieces" for each in found
+            f"{each.name}: {each.median:.2f} px median, {each.used.sum()} of {len(each.used)} segments"
+            for each in found
         ]
         if len(self.residuals):
             rms = float(np.sqrt((self.residuals**2).sum(axis=1).mean()))

@@ -1,7 +1,7 @@
 """Points along a boundary feature, about one per pixel, on its true shape.
 
-A straight piece is sampled along its edges, a circle or an arc on the circle through its nodes, since the chords of a
-linear mesh lie inside it, and other edges of quadratic cells on their parabolas.
+A straight piece is sampled along its edges; a circle or an arc on the circle through its nodes, since the chords of a
+linear mesh lie inside it; other edges of quadratic cells on their parabolas.
 """
 
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ class Samples:
     Attributes
     ----------
     points : ndarray, shape (n, 3)
-        In the frame of the mesh.
+        Points in the frame of the mesh.
     normals : ndarray, shape (n, 3)
         Unit vectors out of the material, in the plane of the mesh.
     blocks : ndarray of int, shape (n,)
-        Which measured piece of the edge each belongs to, from 0.
+        Index of the segment of the edge that each point belongs to, from 0.
     """
 
     points: Floats
@@ -51,16 +51,16 @@ def sample_feature(mesh: Mesh, feature: BoundaryFeature, camera: Placeable, bloc
     mesh : Mesh
         The mesh.
     feature : BoundaryFeature
-        A feature of it.
+        One of its features.
     camera : FrontParallel or Pinhole
-        Says how large a pixel is.
+        Camera, for the size of a pixel.
     block_px : float
-        Length of the pieces of which each is measured as one, in pixels.
+        Length of the segments in pixels.
 
     Returns
     -------
     Samples
-        Of all its pieces.
+        Samples of all pieces of the feature.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def sample_feature(mesh: Mesh, feature: BoundaryFeature, camera: Placeable, bloc
         fine, _ = _shape(piece, nodes, np.linspace(0.0, 1.0, 200))
         length = float(np.linalg.norm(np.diff(camera.project(fine), axis=0), axis=1).sum())
         if not np.isfinite(length):
-            raise CameraError(f"camera: it cannot see all of the feature {feature.name!r}; correct the start.")
+            raise CameraError(f"camera: the given pose does not see all of the feature {feature.name!r}; correct it.")
         trim = 0.0 if piece.closed else min(_TRIMMED_PX / max(length, 1e-9), _TRIMMED_PART)
         count = max(_FEWEST, round(length * (1.0 - 2.0 * trim)))
         place = trim + (1.0 - 2.0 * trim) * (np.arange(count) + 0.5) / count
@@ -121,8 +121,8 @@ def _shape(piece: Piece, nodes: Floats, place: Floats) -> tuple[Floats, Floats]:
 
 
 def _on_circle(circle: Circle, points: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-    arms = points[:, :2] - circle.centre
-    arms = arms * (circle.radius / np.linalg.norm(arms, axis=1, keepdims=True))
-    tangents = np.column_stack([-arms[:, 1], arms[:, 0]])
+    radii = points[:, :2] - circle.centre
+    radii = radii * (circle.radius / np.linalg.norm(radii, axis=1, keepdims=True))
+    tangents = np.column_stack([-radii[:, 1], radii[:, 0]])
     tangents *= np.where((tangents * slopes).sum(axis=1) < 0.0, -1.0, 1.0)[:, np.newaxis]
-    return np.column_stack([circle.centre + arms, points[:, 2]]), tangents
+    return np.column_stack([circle.centre + radii, points[:, 2]]), tangents

@@ -1,10 +1,10 @@
-"""A rough start brought near: the similarity of the projected features whose outline the image shows best.
+"""Coarse search for the similarity that brings the projected features onto edges of the image.
 
-The image is smoothed until speckles vanish. Across the outline of a specimen its grey level then changes, or the local
-unrest that speckles leave, in the same direction all along a feature, which is what chance does not give. Translations,
-turns and changes of scale of the projected features are tried on a grid, then on finer ones around the best, each on an
-image smoothed and reduced half as much. The first grid is as coarse as the width of the search and the size of the
-features ask for.
+The image is smoothed until speckles vanish. Across the outline of a specimen the grey level then changes, or the local
+contrast that speckles leave, with the same sign all along a feature, which rarely happens by chance. Translations,
+rotations and changes of scale of the projected features are tried on a grid, then on finer grids around the best, each
+on an image smoothed and reduced half as much. The spacing of the first grid follows from the width of the search and
+the size of the features.
 """
 
 import math
@@ -24,21 +24,22 @@ from fedic.registration._sampling import image_normals
 __all__ = ["nearby"]
 
 _POINTS_PER_FEATURE = 48
-_TURN = np.deg2rad(4.0)
-_GROWTH = 0.06
+_ROTATION = np.deg2rad(4.0)
+_SCALE = 0.06
 _LEAST_SMOOTHING, _LAST_SMOOTHING = 6.0, 3.0
-"""Of the first grid and of the last, in pixels."""
+"""Smallest smoothing of the first grid, and smoothing of the last, in pixels."""
 _STEP = 1.25
 _OFFSET = 1.5
-"""Step of a grid, and distance from a feature of the grey levels compared, in parts of the smoothing."""
-_STEPS_AROUND = {"u": 3, "v": 3, "turn": 2, "growth": 2}
-"""Of a finer grid, to either side of the best of the one before."""
+"""Step of a grid, and distance from a feature of the grey levels compared, relative to the smoothing."""
+_STEPS_AROUND = {"u": 3, "v": 3, "rotation": 2, "scale": 2}
+"""Number of steps of a finer grid to either side of the best point of the previous one."""
 _MOST_TRIALS = 120_000
 _WIDEST_SMOOTHING = 1.0 / 3.0
-"""In parts of the room around the features: what is smoothed more shows them no longer."""
-_UNREST_PX = 2.0
+"""Largest smoothing, relative to the clearance of the features, that does not blur them away."""
+_CONTRAST_PX = 2.0
+"""Smoothing whose difference from the image is the local contrast."""
 _HALO = 8
-"""Rows that this smoothing reaches."""
+"""Support of this smoothing, in rows."""
 _ROWS_AT_ONCE = 1024
 _CHUNK = 2000
 
@@ -51,29 +52,29 @@ class _Outline:
 
     Attributes
     ----------
-    arms, normals : list of ndarray
-        Points, and unit vectors out of the material there, of each feature.
+    offsets, normals : list of ndarray
+        Points of each feature, and unit vectors out of the material there.
     centre : complex
-        In the image.
-    room : float
-        Distance in pixels from the features to the next boundary, in the middle.
+        Centre in the image.
+    clearance : float
+        Median distance in pixels from the features to the next boundary.
     """
 
-    arms: list[Complexes]
+    offsets: list[Complexes]
     normals: list[Complexes]
     centre: complex
-    room: float
+    clearance: float
 
     @property
-    def arm(self) -> float:
+    def radius(self) -> float:
         """Distance in pixels of the farthest point from the centre."""
-        return float(np.abs(np.concatenate(self.arms)).max())
+        return float(np.abs(np.concatenate(self.offsets)).max())
 
 
 def nearby(
     image: Image, camera: Placeable, strips: Sequence[Strip], names: tuple[str, ...], search: float
 ) -> Placeable:
-    """Move a camera to the best place in the neighbourhood.
+    """Find the best similarity in the neighbourhood of a camera.
 
     Parameters
     ----------
@@ -84,19 +85,19 @@ def nearby(
     strips : sequence of Strip
         The features.
     names : tuple of str
-        The free parameters; only those that move, turn and scale the image are changed.
+        The free parameters; only those that translate, rotate and scale the image are changed.
     search : float
-        Largest translation of the centre of the features, in pixels; turns go to 4 degrees and scales to 6 %.
+        Largest translation of the centre of the features in pixels; rotations go to 4 degrees and scales to 6 %.
 
     Returns
     -------
     FrontParallel or Pinhole
-        Right to a few pixels if the specimen is where the search looks.
+        Camera right to a few pixels, if the specimen is within the search.
 
     Raises
     ------
     SolveError
-        If the search is so wide that the features would vanish in the smoothing it takes.
+        If the search is so wide that the smoothing it needs would blur the features away.
     """
     names = similarity_parameters(names)
     if not names or search <= 0.0:
@@ -126,24 +127,24 @@ def nearby(
 
 
 def _outline(camera: Placeable, strips: Sequence[Strip]) -> _Outline:
-    arms, normals = [], []
+    positions, normals = [], []
     for strip in strips:
         count = len(strip.samples.points)
         some = np.unique(np.linspace(0, count - 1, min(count, _POINTS_PER_FEATURE)).astype(int))
-        arms.append(camera.project(strip.samples.points)[some] @ [1.0, 1.0j])
+        positions.append(camera.project(strip.samples.points)[some] @ [1.0, 1.0j])
         normals.append(image_normals(camera, strip.samples)[some] @ [1.0, 1.0j])
-    centre = complex(np.concatenate(arms).mean())
-    room = float(np.median([strip.room for strip in strips]))
-    return _Outline([each - centre for each in arms], normals, centre, room)
+    centre = complex(np.concatenate(positions).mean())
+    clearance = float(np.median([strip.clearance for strip in strips]))
+    return _Outline([each - centre for each in positions], normals, centre, clearance)
 
 
 def _first_smoothing(outline: _Outline, names: tuple[str, ...], search: float) -> float:
-    """Return the least smoothing whose grid is small enough to be tried.
+    """Return the smallest smoothing whose grid has few enough points.
 
     Raises
     ------
     SolveError
-        If the features would vanish in it.
+        If it would blur the features away.
     """
 
     def fits(smoothing: float, reach: float) -> bool:
@@ -152,52 +153,52 @@ def _first_smoothing(outline: _Outline, names: tuple[str, ...], search: float) -
 
     smoothing = _LEAST_SMOOTHING
     while not fits(smoothing, search):
-        if 2.0 * smoothing > _WIDEST_SMOOTHING * outline.room:
+        if 2.0 * smoothing > _WIDEST_SMOOTHING * outline.clearance:
             largest = search
             while largest > 1.0 and not fits(smoothing, largest):
                 largest *= 0.9
             raise SolveError(
-                f"search={search:g}: too far to look for features that reach {outline.arm:.0f} px from their centre, "
-                f"with {outline.room:.0f} px around them; steps that do not miss them are too many. Give a search up "
-                f"to {largest:.2g} px and a better start, point pairs, or hold parameters with free=(...)."
+                f"search={search:g}: too wide for features that extend {outline.radius:.0f} px from their centre with "
+                f"{outline.clearance:.0f} px around them; a grid fine enough has too many points. Give a search up to "
+                f"{largest:.2g} px and a better start, point pairs, or hold parameters with free=(...)."
             )
         smoothing *= 2.0
     return smoothing
 
 
 def _counts(outline: _Outline, names: tuple[str, ...], search: float, step: float) -> dict[str, int]:
-    """Return how many steps to either side a grid over the whole search has, by the names of its axes."""
+    """Return the numbers of steps to either side of a grid over the whole search, by the names of its axes."""
     reaches = {
         "u": search if {"u0", "tx"} & set(names) else 0.0,
         "v": search if {"v0", "ty"} & set(names) else 0.0,
-        "turn": _TURN * outline.arm if {"angle", "rz"} & set(names) else 0.0,
-        "growth": _GROWTH * outline.arm if {"scale", "tz"} & set(names) else 0.0,
+        "rotation": _ROTATION * outline.radius if {"angle", "rz"} & set(names) else 0.0,
+        "scale": _SCALE * outline.radius if {"scale", "tz"} & set(names) else 0.0,
     }
     return {name: math.ceil(reach / step) for name, reach in reaches.items()}
 
 
 def _candidates(outline: _Outline, counts: dict[str, int], step: float, about: Complexes) -> Complexes:
-    """Return similarities ``(t, f)``, complex (n, 2): the point ``a`` about the centre goes to ``t + f a``."""
-    sizes = {"u": step, "v": step, "turn": step / outline.arm, "growth": step / outline.arm}
+    """Return similarities ``(t, f)``, complex (n, 2), which map the offset ``a`` from the centre to ``t + f a``."""
+    sizes = {"u": step, "v": step, "rotation": step / outline.radius, "scale": step / outline.radius}
     axes = [np.arange(-count, count + 1) * sizes[name] for name, count in counts.items()]
-    u, v, turn, growth = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
-    return np.column_stack([about[0] + u + 1.0j * v, about[1] * (1.0 + growth) * np.exp(1.0j * turn)])
+    u, v, rotation, scale = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+    return np.column_stack([about[0] + u + 1.0j * v, about[1] * (1.0 + scale) * np.exp(1.0j * rotation)])
 
 
 @dataclass(frozen=True, eq=False)
 class _Level:
-    """The grey level and its unrest, each pixel the mean over a square of the image's."""
+    """Grey level and local contrast of an image, reduced by the mean over squares of pixels."""
 
     channels: list[NDArray[np.float32]]
     edge: int
     smoothing: float
 
     def halved(self) -> "_Level":
-        """Return the level of twice the smoothing."""
+        """Return the level reduced once more, with twice the smoothing."""
         return _Level([_shrunk(channel, 2) for channel in self.channels], 2 * self.edge, 2.0 * self.smoothing)
 
     def smoothed(self) -> list[NDArray[np.float32]]:
-        """Return the channels smoothed, each divided by its spread over the image."""
+        """Return the channels smoothed, each divided by its standard deviation over the image."""
         import cv2
 
         channels = []
@@ -215,7 +216,7 @@ class _Level:
 
 
 def _reduced(image: Image) -> _Level:
-    """Return the level of the least smoothing, a band of rows after the other."""
+    """Return the level of the smallest smoothing, computed by bands of rows."""
     import cv2
 
     edge = 2
@@ -224,16 +225,16 @@ def _reduced(image: Image) -> _Level:
     for first in range(0, height * edge, _ROWS_AT_ONCE):
         top = max(first - _HALO, 0)
         grey = image[top : first + _ROWS_AT_ONCE + _HALO].astype(np.float32)
-        unrest = np.abs(grey - cv2.GaussianBlur(grey, (0, 0), _UNREST_PX))
+        contrast = np.abs(grey - cv2.GaussianBlur(grey, (0, 0), _CONTRAST_PX))
         inner = slice(first - top, first - top + _ROWS_AT_ONCE)
-        for channel, full in zip(channels, (grey, unrest), strict=True):
+        for channel, full in zip(channels, (grey, contrast), strict=True):
             band = channel[first // edge : (first + _ROWS_AT_ONCE) // edge]
             band[:] = _shrunk(full[inner], edge)[: len(band)]
     return _Level(channels, edge, _LAST_SMOOTHING)
 
 
 def _shrunk(channel: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
-    """Return the means over squares; what is left over at the right and at the bottom does not count."""
+    """Return the means over squares; incomplete squares at the right and at the bottom are left out."""
     import cv2
 
     height, width = (max(size // factor, 1) for size in channel.shape)
@@ -244,12 +245,12 @@ def _shrunk(channel: NDArray[np.float32], factor: int) -> NDArray[np.float32]:
 
 
 def _scores(channels: list[NDArray[np.float32]], outline: _Outline, candidates: Complexes, level: _Level) -> Floats:
-    """Return for each candidate the mean changes across the features, summed without their signs."""
+    """Return for each candidate the sum of the absolute mean changes across the features."""
     height, width = channels[0].shape
     shift, factor = candidates[:, :1] + outline.centre, candidates[:, 1:]
     total = np.zeros(len(candidates))
-    for arms, normals in zip(outline.arms, outline.normals, strict=True):
-        places = shift + factor * arms
+    for offsets, normals in zip(outline.offsets, outline.normals, strict=True):
+        places = shift + factor * offsets
         across = _OFFSET * level.smoothing * normals * (factor / np.abs(factor))
         inner, outer = level.index(places - across), level.index(places + across)
         seen = np.ones(places.shape, dtype=bool)
@@ -266,7 +267,7 @@ def _scores(channels: list[NDArray[np.float32]], outline: _Outline, candidates: 
 def _moved(
     camera: Placeable, strips: Sequence[Strip], names: tuple[str, ...], centre: complex, similarity: Complexes
 ) -> Placeable:
-    """Return the camera whose features are where a similarity takes them, as near as its parameters allow."""
+    """Return the camera that projects the features as near as possible to their images under a similarity."""
     points = np.concatenate([strip.samples.points for strip in strips])
     places = camera.project(points) @ [1.0, 1.0j]
     wanted = centre + similarity[0] + similarity[1] * (places - centre)

@@ -1,4 +1,4 @@
-"""The steps of a registration: the target, the points, the features, each checked before the next."""
+"""Steps of a registration: target, points, features, each checked before the next."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,7 +7,7 @@ import numpy as np
 
 from fedic._core import Mesh, Pinhole
 from fedic._internal.types import Floats, Image
-from fedic.cameras.poses import posed
+from fedic.cameras.poses import with_pose
 from fedic.errors import CameraError, ImageError, SolveError
 from fedic.registration._covariance import check_determined
 from fedic.registration._edges import Strip, across_jacobian, prepare_strip
@@ -25,7 +25,7 @@ __all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"
 
 _BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
-"""Part of the pieces of a feature that must show an edge."""
+"""Fraction of the segments of a feature that must show an edge."""
 _POOREST_EDGE_PX = 3.0
 _UNSETTLED_PX = 0.5
 _LEAST_IN_IMAGE = 0.3
@@ -33,12 +33,12 @@ _POSE = 6
 
 
 def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
-    """Fit the points, from the start or, where the whole pose is free, from the poses that their plane allows.
+    """Fit the points, from the start or, if the whole pose is free, from the poses that fit coplanar points.
 
     Raises
     ------
     CameraError, SolveError
-        If none of them sees the points and leads to a pose that they determine: what the first one lacks.
+        If no start sees the points and leads to a pose that they determine; the error of the first start.
     """
     starts = [estimate]
     if estimate.place is None and isinstance(estimate.camera, Pinhole) and len(problem.names) == _POSE:
@@ -59,23 +59,23 @@ def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
 
 
 def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, place: Place, *, turned: bool) -> Pairs:
-    """Take the points of a target to the frame of the mesh; upside down where that is nearer to the start.
+    """Transform the points of a target to the frame of the mesh, upside down if that is nearer to the start.
 
     Parameters
     ----------
     mesh, start, problem
         The mesh, the rough start, and the problem without points.
     found : Pairs
-        In the frame of the target.
+        Points in the frame of the target.
     place : Place
-        Of the target on the mesh.
+        Placement of the target on the mesh.
     turned : bool
-        Whether the target may have been read upside down.
+        True if the target may have been read upside down.
 
     Raises
     ------
     CameraError
-        If that is to be decided and the start does not see the mesh.
+        If the start is needed for that decision and does not see the mesh.
     """
     readings = [replace(found, points=place.carry(found.points), placed=True)]
     if not turned:
@@ -84,8 +84,8 @@ def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, 
     wanted = start.camera.project(nodes)
     if not np.isfinite(wanted).all():
         raise CameraError(
-            "camera: this target can be read in two directions, and the start, which should tell them apart, does not "
-            "see the mesh; give a rough pose."
+            "camera: this target can be read in two directions, and the given pose, which decides between them, does "
+            "not see the mesh; give a rough pose."
         )
     ends = found.points.min(axis=0) + found.points.max(axis=0)
     upside_down = np.array([-1.0, -1.0, 1.0]) * found.points + ends * [1.0, 1.0, 0.0]
@@ -100,15 +100,15 @@ def read_as_placed(mesh: Mesh, start: Estimate, problem: Problem, found: Pairs, 
 
 
 def on_plane_of_target(mesh: Mesh, estimate: Estimate, problem: Problem, pairs: Pairs) -> Estimate:
-    """Put the mesh on the plane of a target, as near as possible to where the start has it.
+    """Place the mesh on the plane of a target, as near as possible to its position in the start.
 
     Raises
     ------
     CameraError
-        If a part of the pose is held.
+        If a parameter of the pose is held.
     """
     if len(problem.names) < _POSE:
-        raise CameraError("free: a target whose place on the mesh is unknown determines all of rx ry rz tx ty tz.")
+        raise CameraError("free: a target of unknown placement on the mesh needs all of rx ry rz tx ty tz to be free.")
     alone = replace(problem, pairs=(replace(pairs, placed=True),))
     on_target, start = from_pairs(estimate, alone).camera, estimate.camera
     assert isinstance(on_target, Pinhole)
@@ -119,21 +119,21 @@ def on_plane_of_target(mesh: Mesh, estimate: Estimate, problem: Problem, pairs: 
 def from_features(
     mesh: Mesh, wanted: Sequence[BoundaryFeature], estimate: Estimate, problem: Problem, search: float
 ) -> tuple[Estimate, list[Group], Problem]:
-    """Bring features to their edges, from a start that is searched for unless points on the mesh give it.
+    """Fit features to their edges; the start is searched for unless points on the mesh determine it.
 
     Returns
     -------
     Estimate
-        The unknowns.
+        The minimum.
     list of Group
-        Rows at the end: one for each feature, then those of the points.
+        Rows at the minimum: one group for each feature, then those of the points.
     Problem
-        With the features.
+        The problem with the features.
 
     Raises
     ------
     CameraError
-        If the start puts a feature out of the image.
+        If the start puts a feature outside the image.
     ImageError
         If a feature is not found.
     SolveError
@@ -152,8 +152,8 @@ def from_features(
     _check_found(problem.strips, groups, search)
     if motion > _UNSETTLED_PX:
         raise SolveError(
-            f"The features do not come to rest on their edges: the last step was still {motion:.2g} px. Give "
-            "other or more features, or hold parameters with free=(...)."
+            f"The fit of the features to their edges did not converge: the last step was {motion:.2g} px. Give other "
+            "or more features, or hold parameters with free=(...)."
         )
     check_determined(groups, unknowns)
     return estimate, groups, problem
@@ -169,7 +169,7 @@ def _misfit(estimate: Estimate, problem: Problem) -> float:
 
 
 def _from_placed_pairs(estimate: Estimate, problem: Problem) -> Estimate | None:
-    """Return the pose of the points alone; None where they do not determine it."""
+    """Return the pose of the points alone; None if they do not determine it."""
     if not problem.pairs or not all(pairs.placed for pairs in problem.pairs):
         return None
     try:
@@ -179,13 +179,15 @@ def _from_placed_pairs(estimate: Estimate, problem: Problem) -> Estimate | None:
 
 
 def _back_on_plane(mesh: Mesh, estimate: Estimate, near: Placeable) -> Estimate:
-    """Take over the place a search found, on the plane of the target."""
+    """Return the estimate on the plane of the target nearest to a camera found by the search."""
     place, camera = estimate.place, estimate.camera
     assert place is not None
     assert isinstance(camera, Pinhole)
     assert isinstance(near, Pinhole)
     translation = np.asarray(camera.translation) + camera.rotation @ [place.x, place.y, 0.0]
-    return Estimate(*start_on_target(near, posed(camera, camera.rotation @ place.turn, translation), used_points(mesh)))
+    return Estimate(
+        *start_on_target(near, with_pose(camera, camera.rotation @ place.turn, translation), used_points(mesh))
+    )
 
 
 def _strips(
@@ -200,15 +202,15 @@ def _strips(
         if inside.mean() < _LEAST_IN_IMAGE:
             u, v = seen.mean(axis=0)
             raise CameraError(
-                f"camera: the start puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), out of the image of "
-                f"{width} x {height} px; correct the start."
+                f"camera: the given pose puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), outside the "
+                f"image of {width} x {height} px; correct it."
             )
         strips.append(prepare_strip(feature.name, mesh, samples, camera))
     return strips
 
 
 def _check_geometry(estimate: Estimate, problem: Problem, unknowns: tuple[str, ...]) -> None:
-    """Check, before the search, that perfect edges would determine the pose."""
+    """Check, before the search, that exact edges would determine the pose."""
     groups = pair_groups(estimate, problem)
     for strip in problem.strips:
         rows = for_all_unknowns(estimate, across_jacobian(estimate.camera, strip, problem.names))
@@ -220,13 +222,13 @@ def _check_found(strips: Sequence[Strip], groups: Sequence[Group], search: float
     for strip, group in zip(strips, groups, strict=False):
         count, total = int(group.used.sum()), len(group.used)
         if count < _FEWEST_SEEN * total:
-            how = f"{count} of its {total} pieces show an edge"
+            how = f"{count} of its {total} segments show an edge"
         elif group.noise > _POOREST_EDGE_PX:
             how = f"the edges near it scatter by {group.noise:.1f} px"
         else:
             continue
         raise ImageError(
-            f"The feature {strip.name!r} is not found in the image: {how}. The start may be more than search = "
-            f"{search:g} px away (give a better one, point pairs, or a larger search), the image may not show it, or "
-            "the specimen may differ from the mesh."
+            f"The feature {strip.name!r} is not found in the image: {how}. It may be further than search = {search:g} "
+            "px from the given pose (give a better one, point pairs, or a larger search), outside the image, or the "
+            "specimen may differ from the mesh."
         )

@@ -1,4 +1,4 @@
-"""A calibration target that lies on the specimen."""
+"""Calibration targets on the specimen."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ import numpy as np
 
 from fedic._core import Pinhole
 from fedic._internal.types import Floats, Image
-from fedic.calibration.detection import NotFoundError, find_target, refined
+from fedic.calibration.detection import NotFoundError, find_target, refine_points
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
-from fedic.cameras.poses import posed
+from fedic.cameras.poses import with_pose
 from fedic.errors import CameraError, ImageError
 from fedic.registration._numbers import finite_number
 from fedic.registration._pairs import Pairs, Place, pinhole_from_pairs
@@ -20,23 +20,23 @@ from fedic.registration._pose import Placeable
 __all__ = ["LyingTarget", "lying_target", "start_on_target", "target_pairs"]
 
 _SMOOTHINGS = (0.0, 1.5, 3.0)
-"""In pixels: speckles around a target mislead its detection, in an image smoothed no longer."""
+"""Gaussian smoothing of the image, in pixels, tried in turn: speckles around a target mislead its detection."""
 _FARTHEST_PX = 1.0
 _NOISE_PX = 0.05
 
 
 @dataclass(frozen=True)
 class LyingTarget:
-    """What is known of a target on the specimen.
+    """A target on the specimen.
 
     Attributes
     ----------
     plan : Target
-        What is printed on it.
+        Printed pattern.
     place : Place, optional
-        Of the target on the mesh.
+        Placement on the mesh.
     thickness : float
-        Height of its printed face above the mesh.
+        Height of the printed face above the mesh.
     """
 
     plan: Target
@@ -45,28 +45,28 @@ class LyingTarget:
 
 
 def lying_target(target: object, origin: object, angle: object, thickness: object) -> LyingTarget | None:
-    """Check what a caller says of a target; None where there is none.
+    """Check the target arguments given by the caller; return None without a target.
 
     Raises
     ------
     CameraError
-        If something is malformed, or said of a target or an origin that is not given.
+        If an argument is malformed, or needs a target or an origin that is not given.
     """
     height = finite_number("target_thickness", thickness, "a finite height of the target above the mesh")
     if target is None:
         given = {"target_origin": origin is not None, "target_angle": angle is not None, "target_thickness": height}
-        said = [name for name, is_said in given.items() if is_said]
+        said = [name for name, is_given in given.items() if is_given]
         if said:
-            raise CameraError(f"{said[0]}: it says where a target lies, and none is given; add target=... to it.")
+            raise CameraError(f"{said[0]} is given without a target; add target=....")
         return None
     if not isinstance(target, (str, Target)):
-        raise CameraError(f"target: a {type(target).__name__} is no target; give a text such as 'chessboard:11x7:8'.")
+        raise CameraError(f"target is a {type(target).__name__}; give a text such as 'chessboard:11x7:8'.")
     plan = parse_target(target) if isinstance(target, str) else target
     if origin is None:
         if angle is not None:
             raise CameraError(
-                "target_angle: it turns the target about its origin, and where that lies is not given; add "
-                "target_origin=(x, y), or leave the angle out."
+                "target_angle is given without target_origin, about which it turns; add target_origin=(x, y), or "
+                "leave the angle out."
             )
         return LyingTarget(plan, None, height)
     numbers = list(origin) if isinstance(origin, Iterable) else []
@@ -78,31 +78,31 @@ def lying_target(target: object, origin: object, angle: object, thickness: objec
 
 
 def target_pairs(image: Image, camera: Placeable, lying: LyingTarget) -> Pairs:
-    """Find the points of a target, each measured in its plane.
+    """Find the points of a target, refined in its plane.
 
     Parameters
     ----------
     image : ndarray, shape (height, width)
         The image.
     camera : Pinhole
-        Calibrated; its pose does not matter.
+        Calibrated camera; its pose is not used.
     lying : LyingTarget
-        Which one, and how high above the mesh.
+        The target.
 
     Returns
     -------
     Pairs
-        In the frame of the target, not placed on the mesh yet.
+        Points in the frame of the target, not yet placed on the mesh.
 
     Raises
     ------
     CameraError
-        If the camera is no pinhole.
+        If the camera is not a pinhole.
     ImageError
-        If the target is not in the image, or what looks like it fits no pose.
+        If the target is not in the image, or the pattern found fits no pose.
     """
     if not isinstance(camera, Pinhole):
-        raise CameraError(f"target: gives the pose of a calibrated Pinhole, not of a {type(camera).__name__}.")
+        raise CameraError(f"target: needs a calibrated Pinhole, not a {type(camera).__name__}.")
     plan, height = lying.plan, np.array([0.0, 0.0, lying.thickness])
     faults = []
     for smoothing in _SMOOTHINGS:
@@ -113,36 +113,36 @@ def target_pairs(image: Image, camera: Placeable, lying: LyingTarget) -> Pairs:
             continue
         pose = _pose(camera, seen)
         if pose is not None:
-            seen = refined(image, plan, seen, pose)
+            seen = refine_points(image, plan, seen, pose)
             pose = _pose(camera, seen)
         error = np.inf if pose is None else _misfit(pose, seen)
         if error <= _FARTHEST_PX:
             return Pairs(seen.points + height, seen.pixels, placed=False, noise=_NOISE_PX)
         faults.append(
-            f"a grid like it is seen, but no pose of this camera brings its points closer than {error:.2g} px: "
-            "speckles taken for the target, a bent target, or another calibration"
+            f"a similar grid is found, but no pose of this camera fits its points to less than {error:.2g} px: "
+            "speckles mistaken for the target, a bent target, or another calibration"
         )
     raise ImageError(f"The target {plan} is not found in the image: {faults[-1]}.")
 
 
 def start_on_target(start: Pinhole, on_target: Pinhole, points: Floats) -> tuple[Pinhole, Place]:
-    """Place the mesh in the plane of a target as near as possible to where the start has it.
+    """Place the mesh in the plane of a target, as near as possible to its position in the start.
 
     Parameters
     ----------
     start : Pinhole
-        The rough start, in the frame of the mesh.
+        Rough start, in the frame of the mesh.
     on_target : Pinhole
-        The camera in the frame of the target whose Z is zero on the mesh.
+        Camera in the frame of the target, Z = 0 on the mesh.
     points : ndarray, shape (n, 3)
-        Of the mesh, to be seen where the start sees them.
+        Points of the mesh, whose image points are to stay those of the start.
 
     Returns
     -------
     Pinhole
-        The camera in the frame of the mesh.
+        Camera in the frame of the mesh.
     Place
-        Of the target on the mesh.
+        Placement of the target on the mesh.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def start_on_target(start: Pinhole, on_target: Pinhole, points: Floats) -> tuple
     """
     seen = start.project(points)
     if not np.isfinite(seen).all():
-        raise CameraError("camera: from its start it does not see the mesh; correct the start.")
+        raise CameraError("camera: the given pose does not see the mesh; correct it.")
     on_plane = on_target.unproject(seen)[:, :2] @ [1.0, 1.0j]
     on_mesh = points[:, :2] @ [1.0, 1.0j]
     centre = on_plane.mean(), on_mesh.mean()
@@ -161,7 +161,7 @@ def start_on_target(start: Pinhole, on_target: Pinhole, points: Floats) -> tuple
     place = Place(origin.real, origin.imag, angle)
     rotation = on_target.rotation @ place.turn.T
     translation = np.asarray(on_target.translation) - rotation @ [place.x, place.y, 0.0]
-    return posed(on_target, rotation, translation), place
+    return with_pose(on_target, rotation, translation), place
 
 
 def _smoothed(image: Image, smoothing: float) -> Image:
@@ -171,7 +171,7 @@ def _smoothed(image: Image, smoothing: float) -> Image:
 
 
 def _pose(camera: Pinhole, seen: Observation) -> Pinhole | None:
-    """Return the better of the poses that a plane of points allows; None if there is none."""
+    """Return the better of the poses that fit coplanar points; None if there is none."""
     poses = pinhole_from_pairs(camera, Pairs(seen.points, seen.pixels))
     return min(poses, key=lambda pose: _misfit(pose, seen), default=None)
 

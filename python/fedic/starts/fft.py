@@ -1,4 +1,4 @@
-"""A start for large motions: one displacement for the whole mesh, by normalised cross-correlation."""
+"""Initial translation of the whole mesh, by normalised cross-correlation."""
 
 from itertools import product
 
@@ -9,37 +9,37 @@ from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import SolveError
 
-__all__ = ["translation_start", "uniform_start"]
+__all__ = ["initial_translation", "rigid_translation"]
 
 _COARSE_SIDE = 1024
 _SMALLEST_WINDOW = 8
 _WINDOWS, _WINDOW_SHARE = 3, 0.3
-"""Windows tried along each side of the image by `translation_start`, and the part of the side that one covers."""
+"""Number of windows of `rigid_translation` along each side of the image, and their size relative to the side."""
 
 
-def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera) -> Floats:
-    """Find the whole-pixel shift of the mesh's window between two images, as a displacement of the nodes.
+def initial_translation(reference: Image, deformed: Image, mesh: Mesh, camera: Camera) -> Floats:
+    """Find the translation of the mesh's bounding window between two images, to whole pixels.
 
-    The window is searched over the whole deformed image, at a coarse scale if the images are large, then refined.
+    The window is searched for in the whole deformed image, at a coarse scale if the images are large, then refined.
 
     Parameters
     ----------
     reference, deformed : ndarray, shape (height, width)
         The two images, of the same shape.
     mesh : Mesh
-        Its used nodes, projected in the reference image, bound the window.
+        Mesh; its used nodes, projected in the reference image, bound the window.
     camera : camera
-        Turns the shift in pixels into the displacement of each node, in the plane of the mesh's mean ``z``.
+        Camera that converts the shift in pixels to the displacement of each node, in the plane of the mean ``z``.
 
     Returns
     -------
     ndarray of float, shape (n, 2)
-        In the mesh's unit; zero at nodes of no cell.
+        Nodal displacements in the mesh's unit; zero at nodes of no cell.
 
     Raises
     ------
     SolveError
-        If the window is too small, or shows no texture.
+        If the window is too small, or has no texture.
     """
     points = mesh.points
     used = mesh.used_nodes
@@ -51,20 +51,20 @@ def uniform_start(reference: Image, deformed: Image, mesh: Mesh, camera: Camera)
     return start
 
 
-def translation_start(reference: Image, moved: Image, mesh: Mesh, camera: Camera) -> Floats:
-    """Find the whole-pixel motion of a specimen between two images, however little of it stays in view.
+def rigid_translation(reference: Image, moved: Image, mesh: Mesh, camera: Camera) -> Floats:
+    """Find the translation of a rigid specimen between two images, to whole pixels.
 
-    Windows of a third of the image's sides, spread over what the mesh covers of the image, are searched for in the
-    moved image: the one found best tells the motion.
+    Windows of a third of the image's sides, distributed over the mesh, are searched for in the moved image, and the
+    best match is returned, so that only a part of the specimen needs to stay in view.
 
     Parameters
     ----------
     reference, moved : ndarray, shape (height, width)
         The two images, of the same shape.
     mesh : Mesh
-        The specimen.
+        Mesh of the specimen.
     camera : camera
-        Turns the shift in pixels into a translation in the plane of the mesh's mean ``z``.
+        Camera that converts the shift in pixels to a translation in the plane of the mean ``z``.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def translation_start(reference: Image, moved: Image, mesh: Mesh, camera: Camera
     Raises
     ------
     SolveError
-        If the mesh covers too little of the image, or shows no texture.
+        If the mesh covers too little of the image, or has no texture.
     """
     points = mesh.points[mesh.used_nodes]
     limits = np.array([reference.shape[1], reference.shape[0]], dtype=np.float64)
@@ -94,7 +94,7 @@ def translation_start(reference: Image, moved: Image, mesh: Mesh, camera: Camera
 
 
 def _window_shift(reference: Image, deformed: Image, pixels: Floats) -> tuple[NDArray[np.int64], float]:
-    """Return the shift (u, v) of the window around `pixels`, and its score: the correlation there."""
+    """Return the shift (u, v) of the window around `pixels`, and its correlation coefficient."""
     import cv2
 
     f, g = reference.astype(np.float32), deformed.astype(np.float32)
@@ -117,7 +117,7 @@ def _best_shift(
     near: NDArray[np.int64] | None = None,
     reach: int = 0,
 ) -> tuple[NDArray[np.int64], float]:
-    """Return the shift (u, v) of the window around `pixels` and its score; `near` and `reach` restrict the search."""
+    """Return the shift (u, v) of the window around `pixels` and its score; `near` and `reach` limit the search."""
     import cv2
 
     height, width = f.shape
@@ -137,7 +137,7 @@ def _best_shift(
 
 
 def _window(pixels: Floats, width: int, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Bound the pixels, keeping at most the central half image so that the window can be searched for."""
+    """Return the bounds of the pixels, reduced to at most half the image so that the window can be shifted in it."""
     limits = np.array([width, height])
     low = np.clip(np.floor(pixels.min(axis=0)), 0, limits).astype(np.int64)
     high = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, limits).astype(np.int64)

@@ -20,21 +20,21 @@ __all__ = ["Bundle", "Estimate"]
 
 _IMMATERIAL = 1e-3
 _SMALLEST_NOISE_PX = 1e-8
-_OPEN = "The views do not determine the parameters of the camera."
+_UNDETERMINED = "The views do not determine the parameters of the camera."
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Values of all the unknowns.
+    """Values of all unknowns.
 
     Attributes
     ----------
     intrinsics : ndarray, shape (p,)
-        Of the unknowns of the `Lens`.
+        Unknowns of the `Lens`.
     rotations : ndarray, shape (n, 3, 3)
-        From the target to the camera, one per view.
+        Rotation from the target to the camera in each view.
     translations : ndarray, shape (n, 3)
-        One per view.
+        Translation in each view.
     """
 
     intrinsics: Floats
@@ -56,16 +56,16 @@ class Estimate:
 
 
 class Bundle:
-    """The least-squares problem of some views.
+    """The least-squares problem of some views, a `fedic._internal.least_squares.Problem`.
 
     Parameters
     ----------
     lens : Lens
-        Its model.
+        Lens model.
     observations : list of Observation
         One per view.
     weights : list of ndarray, shape (n,), optional
-        Of the points of each view; one each if not given, and a point of weight zero counts for nothing.
+        Weights of the points of each view, one by default; points of weight zero are ignored.
     """
 
     def __init__(self, lens: Lens, observations: list[Observation], weights: list[Floats] | None = None) -> None:
@@ -119,33 +119,33 @@ class Bundle:
 
     @property
     def freedom(self) -> int:
-        """Number of measured coordinates less the number of unknowns, as if there were no penalty."""
+        """Number of measured coordinates minus the number of unknowns, regardless of a penalty."""
         counted = sum(int(np.count_nonzero(weights)) for weights in self._weights)
         return 2 * counted - self._lens.size - 6 * len(self._observations)
 
     def covariance(self, estimate: Estimate) -> Floats:
         """Return the covariance of all unknowns at the minimum, in the order of `Estimate.moved`.
 
-        The inverse of the normal matrix times the variance of a coordinate, estimated from the residuals.
+        It is the inverse of the normal matrix times the variance of a coordinate, estimated from the residuals.
 
         Raises
         ------
         CameraError
-            If the views leave some combination of the unknowns free.
+            If the views do not determine some combination of the unknowns.
         """
         equations = self.linearize(estimate)
         freedom, cost = float(self.freedom), equations.cost
         if not equations.condition < LARGEST_CONDITION:
-            raise CameraError(_OPEN)
+            raise CameraError(_UNDETERMINED)
         if self._lens.penalty is not None:
             freedom += equations.stiffened(self._lens.penalty)
             cost -= float(estimate.intrinsics @ self._lens.penalty @ estimate.intrinsics)
         if freedom <= 0:
-            raise CameraError(_OPEN)
+            raise CameraError(_UNDETERMINED)
         return equations.inverse() * (cost / freedom)
 
     def eliminated(self, estimate: Estimate, view: int) -> tuple[Floats, Floats, float]:
-        """Return what a view says of the intrinsic parameters, its pose free: matrix, right-hand side and cost."""
+        """Return matrix, right-hand side and cost of the intrinsic parameters from one view, its pose eliminated."""
         equations = NormalEquations(self._lens.size)
         equations.add(*self._rows(estimate, view))
         return equations.eliminated()

@@ -1,11 +1,10 @@
-"""The fit of a camera to the points found in several views, with the views and points that do not belong left out.
+"""Fit of a camera to the points of several views, without outliers.
 
-A first fit to all the points is judged by the noise ``s`` of a point, robustly: the median distance between seen and
-projected points over 1.177, the median of a Rayleigh distribution of deviation one; but at least 0.02 px, since smaller
-differences are the detection's own. If some point is further than ``6 s``, which Gaussian noise does in 2e-8 of all
-points, the fit is repeated with Cauchy weights, which such points hardly move, and judged again: a view whose own noise
-is over ``3 s``, or with more than a fifth of its points beyond ``6 s``, is rejected; single points beyond are left out.
-The last fit is plain least squares on what is kept.
+The noise ``s`` of a point is estimated robustly, from the median distance between measured and projected points, but at
+least 0.02 px, the repeatability of the detection. If some point is further than ``6 s`` (a fraction of 2e-8 of Gaussian
+noise), the fit is repeated with Cauchy weights, which such points hardly influence. A view whose own noise is above ``3
+s``, or with more than a fifth of its points beyond ``6 s``, is then rejected; single points beyond ``6 s`` are left
+out. The last fit is plain least squares on the rest.
 """
 
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from fedic._internal.robust_weights import cauchy_weights, deviation_of_lengths
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
-from fedic.calibration._adjustment.start import pose_of, start
+from fedic.calibration._adjustment.start import initial_estimate, pose_of
 from fedic.calibration.lenses import Lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
@@ -35,27 +34,27 @@ _FEWEST_VIEWS = 2
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What a fit found.
+    """Result of a fit.
 
     Attributes
     ----------
     lens : Lens
-        What was fitted.
+        Lens model.
     estimate : Estimate
-        Of all the views; the poses of those rejected are the best for the camera that the others gave.
+        Minimum; the poses of rejected views are the best ones for the camera of the others.
     covariance : ndarray, shape (p + 6 n, p + 6 n)
-        Of the intrinsic parameters, then for each accepted view of a rotation about the camera's axes (radians) and of
-        the translation.
+        Covariance of the intrinsic parameters, then, for each accepted view, of a rotation about the camera's axes
+        (radians) and of the translation.
     accepted : list of int
-        The views kept.
+        Accepted views.
     reasons : dict of int to str
-        Why the others were not.
+        Reasons of the rejections.
     used : list of ndarray of bool
-        The points kept, for each view.
+        Points used in each view.
     initial_errors, final_errors : ndarray, shape (number of views,)
         Root mean square distance of the points in pixels, before the fit and after it.
     residuals : list of ndarray, shape (n, 2)
-        Seen minus projected, for each view.
+        Measured minus projected image points of each view.
     """
 
     lens: Lens
@@ -77,13 +76,13 @@ def fit(
     Parameters
     ----------
     lens : Lens
-        Its model.
+        Lens model.
     observations : list of Observation
         One per view.
     image_size : (int, int)
         Width and height in pixels.
     estimate : Estimate, optional
-        Where to start; if not given, at `fedic.calibration._adjustment.start.start`.
+        Start; by default from `initial_estimate`.
 
     Returns
     -------
@@ -96,7 +95,7 @@ def fit(
         If fewer than two views remain, they do not determine the parameters, or the fit does not converge.
     """
     _check_count(len(observations), "seen", {})
-    estimate = estimate or start(lens, observations, image_size)
+    estimate = estimate or initial_estimate(lens, observations, image_size)
     every = Bundle(lens, observations)
     initial_errors = _rms(every.distances(estimate))
     estimate = every.minimize(estimate, _MAX_ITERATIONS).estimate
@@ -138,14 +137,14 @@ def _refitted(
     accepted: list[int],
     used: list[NDArray[np.bool_]],
 ) -> Estimate:
-    """Return the least-squares fit to what is kept; the other views' poses follow the new camera."""
+    """Return the least-squares fit to the accepted views; the poses of the others are fitted to the new camera."""
     weights = [used[view].astype(np.float64) for view in accepted]
     bundle = Bundle(lens, [observations[view] for view in accepted], weights)
     minimum = bundle.minimize(estimate.of(accepted), _MAX_ITERATIONS)
     if not minimum.converged:
         raise CameraError(
-            f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views leave some parameter open, or the "
-            "points found are not those of one flat target."
+            f"The fit did not converge in {_MAX_ITERATIONS} iterations: the views do not determine some parameter, or "
+            "the points found are not those of one flat target."
         )
     kept = minimum.estimate
     rotations, translations = estimate.rotations.copy(), estimate.translations.copy()
@@ -177,16 +176,16 @@ def point_weights(residuals: list[Floats]) -> list[Floats]:
 
 
 def _fault(lengths: Floats, used: NDArray[np.bool_], noise: float) -> str:
-    """Say why a view is to be rejected; empty if it is not."""
+    """Return the reason for rejecting a view; empty if it is accepted."""
     own = _noise([lengths])
     if own > _NOISY_VIEW * noise:
         return (
-            f"its points are {own:.2g} px off, more than {_NOISY_VIEW:g} times the {noise:.2g} px of all views: "
-            "blurred, moved, or read wrongly"
+            f"the noise of its points is {own:.2g} px, more than {_NOISY_VIEW:g} times the {noise:.2g} px of all "
+            "views: blurred, moved, or wrongly detected"
         )
     if (~used).sum() > _SPOILT_VIEW * len(used):
         return (
-            f"{(~used).sum()} of its {len(used)} points are more than {_FAR_POINT * noise:.2g} px off "
+            f"{(~used).sum()} of its {len(used)} points are more than {_FAR_POINT * noise:.2g} px away "
             f"({_FAR_POINT:g} times the noise of all views)"
         )
     return ""
@@ -205,7 +204,7 @@ def _check_count(count: int, state: str, reasons: dict[int, str]) -> None:
 
 
 def _lengths(residuals: list[Floats]) -> list[Floats]:
-    """Return the distances in pixels; a point that cannot be projected is infinitely far."""
+    """Return the distances in pixels; infinite for a point that cannot be projected."""
     distances = [np.linalg.norm(residual, axis=1) for residual in residuals]
     return [np.where(np.isfinite(distance), distance, np.inf) for distance in distances]
 

@@ -14,21 +14,21 @@ _TINY = np.finfo(float).tiny
 
 
 class NormalEquations:
-    """The normal matrix and right-hand side, by blocks, and the cost; empty until views are added.
+    """Normal matrix, right-hand side and cost, by blocks; empty until views are added.
 
     Parameters
     ----------
     size : int
         Number p of intrinsic parameters.
     penalty : ndarray, shape (p, p), optional
-        Matrix of a quadratic form of the intrinsic parameters, part of the cost.
+        Matrix of a quadratic form of the intrinsic parameters that is part of the cost.
     values : ndarray, shape (p,), optional
-        Where they are, with a penalty.
+        Values of the intrinsic parameters, needed with a penalty.
 
     Attributes
     ----------
     cost : float
-        Sum of the squared residuals, and the penalty.
+        Sum of the squared residuals and the penalty.
     """
 
     def __init__(self, size: int, penalty: Floats | None = None, values: Floats | None = None) -> None:
@@ -48,9 +48,9 @@ class NormalEquations:
         Parameters
         ----------
         rows : ndarray, shape (m, p + 6)
-            Derivatives of its m projected coordinates, those by the intrinsic parameters first.
+            Derivatives of its m projected coordinates with respect to the intrinsic parameters, then to the pose.
         residuals : ndarray, shape (m,)
-            Seen less projected.
+            Measured minus projected coordinates.
         """
         own, pose = self._split(rows)
         self._rows.append(rows)
@@ -106,7 +106,7 @@ class NormalEquations:
         return np.concatenate([own / scale, (moves / pose_scales).ravel()]), float(length)
 
     def eliminated(self) -> tuple[Floats, Floats, float]:
-        """Return matrix (p, p), right-hand side (p,) and cost of the intrinsic parameters, the poses being free."""
+        """Return matrix (p, p), right-hand side (p,) and cost of the intrinsic parameters with the poses eliminated."""
         poses, across, gradients = map(np.array, (self._of_poses, self._across, self._pose_gradients))
         size = len(self._gradient)
         solved = np.linalg.solve(poses, np.concatenate([across, gradients[:, :, np.newaxis]], axis=2))
@@ -116,7 +116,7 @@ class NormalEquations:
 
     @property
     def condition(self) -> float:
-        """Condition number of what the poses leave of the scaled matrix; infinite if it is singular."""
+        """Condition number of the scaled matrix with the poses eliminated; infinite if it is singular."""
         scale, _, _, _, _ = self._scaled()
         try:
             reduced, _, _ = self.eliminated()
@@ -126,7 +126,7 @@ class NormalEquations:
         return float(values[-1] / values[0]) if values[0] > 0.0 else np.inf
 
     def stiffened(self, penalty: Floats) -> float:
-        """Return how many of the intrinsic parameters a penalty, part of the matrix, determines for the views."""
+        """Return the effective number of intrinsic parameters that are determined by a penalty in the matrix."""
         reduced, _, _ = self.eliminated()
         return float(np.trace(np.linalg.solve(reduced, penalty)))
 
@@ -145,7 +145,7 @@ class NormalEquations:
         return inverse
 
     def _scaled(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Return the scales of the unknowns, of the poses, and the blocks brought to a diagonal of ones."""
+        """Return the scales of the intrinsic parameters and of the poses, and the blocks scaled to a unit diagonal."""
         poses, across = np.array(self._of_poses), np.array(self._across)
         scale = np.sqrt(np.maximum(np.diag(self._shared), _TINY))
         pose_scales = np.sqrt(np.maximum(np.diagonal(poses, axis1=1, axis2=2), _TINY))

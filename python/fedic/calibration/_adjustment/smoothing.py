@@ -1,4 +1,4 @@
-"""How much to smooth a non-parametric lens: cross-validation over the views."""
+"""Choice of the smoothing of a non-parametric lens by cross-validation over the views."""
 
 from dataclasses import replace
 
@@ -7,28 +7,28 @@ import numpy as np
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
 from fedic.calibration.lenses import SplineLens
 
-__all__ = ["smoothed"]
+__all__ = ["select_smoothing"]
 
 _FOLDS = 5
 _TRIED = np.logspace(-13.0, 2.0, 16)
 
 
-def smoothed(lens: SplineLens, bundle: Bundle, estimate: Estimate) -> SplineLens:
-    """Choose the smoothing of a lens.
+def select_smoothing(lens: SplineLens, bundle: Bundle, estimate: Estimate) -> SplineLens:
+    """Choose the smoothing of a lens that minimises the cross-validation error.
 
-    The views are dealt out in five groups. The field is fitted to all groups but one, and the points of that one, its
-    poses free, are held against it; the smoothing that foretells them best is taken. Errors that the points of a view
-    share, of the target or the light, are not taken for the lens then, as they would be if points were left out one by
-    one. The problem is linear in the field and nearly so in the poses: one linearisation serves all.
+    The views are divided into five groups. The field is fitted to all groups but one, and the error is that of the
+    points of this one, its poses being free. Leaving out whole views, not single points, keeps errors that the points
+    of a view share (of the target or the lighting) from being attributed to the lens. The problem is linear in the
+    field and nearly linear in the poses, so that one linearisation is enough.
 
     Parameters
     ----------
     lens : SplineLens
-        The lens; its smoothing is not looked at.
+        The lens; its smoothing is ignored.
     bundle : Bundle
-        The views, at least two, with any smoothing.
+        At least two views, with any smoothing.
     estimate : Estimate
-        Near the minimum.
+        An estimate near the minimum.
 
     Returns
     -------

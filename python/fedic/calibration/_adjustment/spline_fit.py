@@ -1,4 +1,4 @@
-"""The fit of a non-parametric lens."""
+"""Fit of a non-parametric lens."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import numpy as np
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
 from fedic.calibration._adjustment.fit import Fit, fit, point_weights
-from fedic.calibration._adjustment.smoothing import smoothed
+from fedic.calibration._adjustment.smoothing import select_smoothing
 from fedic.calibration.lenses import RADIAL, SplineLens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
@@ -16,7 +16,7 @@ __all__ = ["fit_spline"]
 
 _FEWEST_POINTS = 200
 _FIRST_SMOOTHING = 1e-6
-"""Little, so that whatever is chosen then is near."""
+"""A small value, so that the estimate is close to that of any smoothing chosen afterwards."""
 _FIRST_ITERATIONS = 6
 
 
@@ -35,7 +35,7 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
     Returns
     -------
     Fit
-        The minimum. Its initial errors are those before any fit.
+        The minimum. Its initial errors are those before the first fit.
 
     Raises
     ------
@@ -45,8 +45,8 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
     count = sum(len(each.points) for each in observations)
     if count < _FEWEST_POINTS:
         raise CameraError(
-            f"A {name} lens takes its shape from the points alone and needs at least {_FEWEST_POINTS}, better a few "
-            f"thousand, all over the image; the views have {count}. Take more views, or 'radial1'."
+            f"A {name} lens is determined by the points alone and needs at least {_FEWEST_POINTS}, better a few "
+            f"thousand, all over the image; the views have {count}. Take more views, or use 'radial1'."
         )
     first = fit(RADIAL, observations, image_size)
     kept = [observations[view] for view in first.accepted]
@@ -54,12 +54,12 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
     pixels = np.concatenate([each.pixels for each in kept])
     camera = RADIAL.camera(first.estimate.intrinsics, np.eye(3), np.zeros(3))
     near = first.estimate.of(first.accepted)
-    for _ in range(2):  # the first field takes the poses along, and the points on the retinal plane with them
-        lens = replace(SplineLens.over(name, _retinal(kept, near), pixels, camera), smoothing=_FIRST_SMOOTHING)
+    for _ in range(2):  # the first field changes the poses, and with them the undistorted points
+        lens = replace(SplineLens.over(name, _undistorted(kept, near), pixels, camera), smoothing=_FIRST_SMOOTHING)
         start = replace(near, intrinsics=np.concatenate([near.intrinsics[:4], np.zeros(lens.size - 4)]))
         bundle = Bundle(lens, kept, weights)
         near = bundle.minimize(start, _FIRST_ITERATIONS).estimate
-    lens = smoothed(lens, bundle, near)
+    lens = select_smoothing(lens, bundle, near)
 
     rotations, translations = first.estimate.rotations.copy(), first.estimate.translations.copy()
     rotations[first.accepted], translations[first.accepted] = near.rotations, near.translations
@@ -67,9 +67,9 @@ def fit_spline(name: str, observations: list[Observation], image_size: tuple[int
     return replace(found, initial_errors=first.initial_errors)
 
 
-def _retinal(seen: list[Observation], estimate: Estimate) -> Floats:
-    """Return the undistorted retinal points (n, 2) of all views."""
+def _undistorted(seen: list[Observation], estimate: Estimate) -> Floats:
+    """Return the undistorted normalised image points (n, 2) of all views."""
     poses = zip(seen, estimate.rotations, estimate.translations, strict=True)
     positions = np.concatenate([each.points @ rotation.T + translation for each, rotation, translation in poses])
-    retinal: Floats = positions[:, :2] / positions[:, 2:]
-    return retinal
+    normalised: Floats = positions[:, :2] / positions[:, 2:]
+    return normalised

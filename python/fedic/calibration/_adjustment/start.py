@@ -1,4 +1,4 @@
-"""Where the fit starts: focal length from the homographies, no lens, each pose from its own view."""
+"""Initial estimate: focal length from the homographies, no distortion, each pose from its own view."""
 
 import numpy as np
 
@@ -9,21 +9,21 @@ from fedic.calibration.observation import Observation
 from fedic.cameras.poses import flat_poses
 from fedic.errors import CameraError
 
-__all__ = ["pose_of", "start"]
+__all__ = ["initial_estimate", "pose_of"]
 
 _FOCAL_RANGE = (0.2, 100.0)
-"""Focal lengths a start is believed in, in widths of the image; outside, the range's geometric middle is as good."""
+"""Plausible focal lengths in image widths; outside, the geometric mean of the range is used."""
 _LINE = 1e-3
-"""Width over length of points that are taken to lie on a line."""
+"""Ratio of width to length below which points are collinear."""
 
 
-def start(lens: Lens, observations: list[Observation], image_size: tuple[int, int]) -> Estimate:
-    """Return the estimate a fit starts from.
+def initial_estimate(lens: Lens, observations: list[Observation], image_size: tuple[int, int]) -> Estimate:
+    """Return the initial estimate of a fit.
 
     Parameters
     ----------
     lens : Lens
-        Its model.
+        Lens model.
     observations : list of Observation
         One per view.
     image_size : (int, int)
@@ -37,7 +37,7 @@ def start(lens: Lens, observations: list[Observation], image_size: tuple[int, in
     Raises
     ------
     CameraError
-        If the points of a view lie on a line.
+        If the points of a view are collinear.
     """
     import cv2
 
@@ -45,7 +45,7 @@ def start(lens: Lens, observations: list[Observation], image_size: tuple[int, in
         for what, places in (("points", each.points[:, :2]), ("pixels", each.pixels)):
             spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
             if spread[1] < _LINE * spread[0]:
-                raise CameraError(f"The {what} of the view number {view} lie on a line: no pose explains them.")
+                raise CameraError(f"The {what} of view number {view} are collinear: they determine no pose.")
     points = [each.points.astype(np.float32) for each in observations]
     pixels = [each.pixels.astype(np.float32) for each in observations]
     side = float(max(image_size))
@@ -65,12 +65,12 @@ def start(lens: Lens, observations: list[Observation], image_size: tuple[int, in
 def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, Floats]:
     """Return the rotation (3, 3) and translation (3,) of a view for given intrinsic parameters.
 
-    Of the two poses a flat target nearly allows, the one that fits better (Collins and Bartoli, 2014), refined.
+    The two poses that fit a flat target (Collins and Bartoli, 2014) are refined, and the better one is returned.
 
     Raises
     ------
     CameraError
-        If the points are on a line or fewer than four.
+        If the points are collinear or fewer than four.
     """
     import cv2
 
@@ -89,9 +89,9 @@ def pose_of(seen: Observation, lens: Lens, intrinsics: Floats) -> tuple[Floats, 
     except cv2.error:
         refined = []
     if not refined:
-        raise CameraError("No pose explains the points of this view.")
+        raise CameraError("No pose fits the points of this view.")
     costs = [float(((cv2.projectPoints(points, *pose, matrix, None)[0][:, 0] - pixels) ** 2).sum()) for pose in refined]
     if not np.isfinite(costs).any():
-        raise CameraError("No pose explains the points of this view.")
+        raise CameraError("No pose fits the points of this view.")
     vector, translation = refined[int(np.nanargmin(costs))]
     return np.asarray(cv2.Rodrigues(vector)[0]), np.asarray(translation, dtype=np.float64).ravel()

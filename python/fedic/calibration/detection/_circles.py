@@ -1,9 +1,9 @@
 """Centres of circles, without the errors of perspective and lens.
 
-The image of a circle is a flattened one whose centroid is not the image of the centre: tenths of a pixel for large
-circles seen at an angle. In the plane of the target a circle is a circle. So once the camera is nearly known, the
-pixels around a centre are taken back to the plane and their centroid is formed there, each pixel weighted by how much
-of the circle covers it and by its area in the plane (cf. Datta, Kim and Kanade, 2009).
+The centroid of the image of a circle is not the image of its centre: the difference is tenths of a pixel for large
+circles seen at an angle. Once an approximate camera is known, the pixels around a centre are therefore unprojected to
+the plane of the target, and their centroid is computed there, each pixel weighted by its coverage by the circle and by
+its area in the plane (cf. Datta, Kim and Kanade, 2009).
 """
 
 import numpy as np
@@ -30,20 +30,20 @@ def centre_in_plane(points: Floats, levels: Floats, areas: Floats, start: Floats
     Parameters
     ----------
     points : ndarray, shape (n, 2)
-        Pixels around it, taken back to the plane of the target.
+        Pixels around the centre, unprojected to the plane of the target.
     levels : ndarray, shape (n,)
         Their grey levels.
     areas : ndarray, shape (n,)
         Their areas in the plane.
     start : ndarray, shape (2,)
-        Where the centre is thought to be.
+        Approximate centre.
     reach : float
         Radius of the disc that is free of other circles.
 
     Returns
     -------
     ndarray, shape (2,)
-        The centre; NaN where there is no circle.
+        The centre; NaN if there is no circle.
     """
     centre = start
     for _ in range(_STEPS):

@@ -1,9 +1,9 @@
-"""Corners of squares, by a model of the grey levels around them in the plane of the target.
+"""Corners of squares, from a model of the grey levels around them in the plane of the target.
 
-Once the camera is nearly known, the pixels around a corner are taken back to the target's plane, where the edges are
-parallel to the axes. There the grey level is ``a + b e((X - X0) / w) e((Y - Y0) / w)``, with ``e`` the error function
-of an edge blurred over ``w``; Gauss-Newton gives the corner ``(X0, Y0)`` beside ``a``, ``b`` and ``w``. What blurs the
-edges in truth, a pixel's aperture seen at an angle, is as symmetric about the corner as the model.
+Once an approximate camera is known, the pixels around a corner are unprojected to the plane of the target, where the
+edges are parallel to the axes. The grey level there is ``a + b e((X - X0) / w) e((Y - Y0) / w)``, with ``e`` the error
+function of an edge blurred over ``w``; Gauss-Newton estimates the corner ``(X0, Y0)`` together with ``a``, ``b`` and
+``w``. The true blur, by the aperture of a pixel seen at an angle, is symmetric about the corner like the model.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ __all__ = ["corner_in_plane", "corner_reach"]
 
 _REACH = 0.45
 _FARTHEST = 25.0
-"""Half the side of the largest square looked at, in pixels: beyond, shades of light say more than edges do."""
+"""Half the side of the largest square used, in pixels: further out, uneven lighting matters more than the edges."""
 _STEPS = 20
 _TOLERANCE = 1e-4
 
@@ -31,11 +31,11 @@ def corner_in_plane(points: Floats, levels: Floats, start: Floats, reach: float,
     Parameters
     ----------
     points : ndarray, shape (n, 2)
-        Pixels around it, taken back to the plane of the target.
+        Pixels around the corner, unprojected to the plane of the target.
     levels : ndarray, shape (n,)
         Their grey levels.
     start : ndarray, shape (2,)
-        Where the corner is thought to be.
+        Approximate corner.
     reach : float
         Half the side of the square that is free of other edges.
     pixel : float
@@ -44,7 +44,7 @@ def corner_in_plane(points: Floats, levels: Floats, start: Floats, reach: float,
     Returns
     -------
     ndarray, shape (2,)
-        The corner; NaN where there is none.
+        The corner; NaN if there is none.
     """
     reach = min(reach - pixel, _FARTHEST * pixel)
     near = (np.abs(points - start) < reach).all(axis=1)

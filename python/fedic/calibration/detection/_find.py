@@ -1,4 +1,4 @@
-"""The points of a target found in an image, to a fraction of a pixel."""
+"""Detection of the points of a target in an image, to a fraction of a pixel."""
 
 from typing import Any
 
@@ -16,21 +16,21 @@ _FEWEST_POINTS = 6
 
 
 class NotFoundError(Exception):
-    """The target is not in the image; the message says what is known of the cause."""
+    """The target is not in the image; the message names the likely cause."""
 
 
 def find_target(image: Image, target: Target) -> Observation:
     """Find the points of a target in an image.
 
-    Chessboards by the Radon transform of Duda and Frese (2018), ChArUco boards by their markers, circles as blobs whose
-    centres `fedic.calibration.detection._circles` refines once the camera is nearly known.
+    Chessboards are detected by the Radon transform of Duda and Frese (2018), ChArUco boards by their markers, circles
+    as blobs, whose centres `refine_points` corrects once an approximate camera is known.
 
     Parameters
     ----------
     image : ndarray, shape (height, width)
         Grey levels.
     target : Target
-        What to look for.
+        Target to find.
 
     Returns
     -------
@@ -40,11 +40,11 @@ def find_target(image: Image, target: Target) -> Observation:
     Raises
     ------
     NotFoundError
-        If the target is not there.
+        If the target is not in the image.
     """
     import cv2
 
-    cv2.setRNGSeed(0)  # the searches draw from OpenCV's generator; the same image must give the same points
+    cv2.setRNGSeed(0)  # the searches use OpenCV's random generator; results must be reproducible
     grey = _eight_bits(image)
     if target.kind == "charuco":
         return _find_charuco(grey, target)
@@ -71,16 +71,16 @@ def _find_chessboard(grey: NDArray[np.uint8], target: Target) -> Floats:
     if found and sorted(layout.shape[:2]) != sorted((target.columns, target.rows)):
         columns, rows = sorted(layout.shape[:2], reverse=target.columns >= target.rows)
         raise NotFoundError(
-            f"a chessboard of {columns} x {rows} inner corners is seen, {target.columns} x {target.rows} were expected"
+            f"a chessboard of {columns} x {rows} inner corners is found, {target.columns} x {target.rows} were expected"
         )
-    raise NotFoundError(f"no chessboard of {target.columns} x {target.rows} inner corners is seen whole")
+    raise NotFoundError(f"no complete chessboard of {target.columns} x {target.rows} inner corners is found")
 
 
 def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
-    """Find dark circles, or light ones in the negative."""
+    """Find dark circles, or light ones in the inverted image."""
     import cv2
 
-    blobs: Any = cv2  # whose stubs know no SimpleBlobDetector
+    blobs: Any = cv2  # the stubs lack SimpleBlobDetector
     options = blobs.SimpleBlobDetector_Params()
     options.minArea = _SMALLEST_BLOB
     options.maxArea = grey.size / (target.columns * target.rows)
@@ -95,7 +95,7 @@ def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
                 return np.asarray(centres, dtype=np.float64).reshape(-1, 2)
     count = max(len(detector.detect(grey)), len(detector.detect(255 - grey)))
     raise NotFoundError(
-        f"no grid of {target.columns} x {target.rows} circles is seen whole; {count} blobs of any kind are in the image"
+        f"no complete grid of {target.columns} x {target.rows} circles is found; the image has {count} blobs"
     )
 
 
@@ -116,14 +116,14 @@ def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
     points = target.points[best]
     if len(best) < _FEWEST_POINTS or np.linalg.matrix_rank(points - points.mean(axis=0), tol=target.pitch / 2) < 2:
         raise NotFoundError(
-            f"{len(best)} corners of the board are seen, fewer than the {_FEWEST_POINTS} needed on more than a line, "
+            f"{len(best)} corners of the board are found, where at least {_FEWEST_POINTS}, not collinear, are needed, "
             f"and {markers} markers of {target.dictionary}"
         )
     return Observation(points, np.asarray(corners, dtype=np.float64))
 
 
 def _read_from_the_front(pixels: Floats, target: Target) -> Floats:
-    """Undo a reading of the points as if the target were seen from behind: the rows in reverse order."""
+    """Reverse the order of the rows if the points were read as if the target were seen from behind."""
     grid = pixels.reshape(target.rows, target.columns, 2)
     row, column = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
     from_the_front = row[0] * column[1] - row[1] * column[0] > 0.0

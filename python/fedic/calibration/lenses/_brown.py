@@ -1,4 +1,4 @@
-"""The words that name a lens model, and the model of few coefficients."""
+"""Names of lens models, the interface of a lens that can be fitted, and the Brown-Conrady model."""
 
 import re
 from collections.abc import Sequence
@@ -14,12 +14,12 @@ from fedic.errors import CameraError
 __all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]
 
 _COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
-"""The place of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
+"""Index of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
 
 _ORDER = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
 
 SPLINES = ("spline", "inverse-spline")
-"""The words of non-parametric models, which take their shape from the points: `fedic.calibration.lenses._spline`."""
+"""Names of the non-parametric models, see `fedic.calibration.lenses.SplineLens`."""
 
 _WORDS = {
     "none": (),
@@ -33,18 +33,18 @@ _WORDS = {
 
 
 class Lens(Protocol):
-    """A model of the camera without its pose, to be fitted.
+    """A camera model without its pose, to be fitted.
 
-    Its unknowns start with fx, fy, cx and cy.
+    Its unknowns begin with fx, fy, cx and cy.
     """
 
     @property
     def name(self) -> str:
-        """Its words, joined by ``+``."""
+        """Name, such as ``"radial1+prism"``."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the unknowns that have one, in their order; those without follow."""
+        """Names of the first unknowns; the others have none."""
 
     @property
     def size(self) -> int:
@@ -52,7 +52,7 @@ class Lens(Protocol):
 
     @property
     def tolerance(self) -> float:
-        """The minimum is found where a correction, all unknowns together, is below this many standard deviations."""
+        """Length of a correction at the minimum, in standard deviations of a residual."""
 
     @property
     def first_damping(self) -> float:
@@ -60,7 +60,7 @@ class Lens(Protocol):
 
     @property
     def penalty(self) -> Floats | None:
-        """Matrix (size, size) of a quadratic form of the unknowns that is added to the squared distances."""
+        """Matrix (size, size) of a quadratic form of the unknowns that is added to the cost, or None."""
 
     def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
         """Project points of the camera frame.
@@ -68,7 +68,7 @@ class Lens(Protocol):
         Parameters
         ----------
         values : ndarray, shape (size,)
-            Of the unknowns.
+            Values of the unknowns.
         positions : ndarray, shape (n, 3)
             Points in the camera frame.
 
@@ -80,22 +80,22 @@ class Lens(Protocol):
         """
 
     def distortion(self, values: Floats) -> Distortion | None:
-        """Make the lens of some values of the unknowns, in the form it is fitted in."""
+        """Return the distortion for given values of the unknowns, in the form in which it is fitted."""
 
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
-        """Make the camera of some values of the unknowns and a pose: rotation (3, 3) and translation (3,)."""
+        """Return the camera for given values of the unknowns and a pose: rotation (3, 3) and translation (3,)."""
 
 
 @dataclass(frozen=True)
 class BrownLens:
-    """A model of few coefficients: those of `fedic.BrownDistortion` that are free, the others being zero.
+    """A camera with a `fedic.BrownDistortion` of which some coefficients are free and the others zero.
 
     Attributes
     ----------
     name : str
-        Its words, joined by ``+``.
+        Name, such as ``"radial1+prism"``.
     coefficients : tuple of str
-        Of ``k1 k2 k3 d1 d2 p1 p2``, in this order.
+        Free coefficients among ``k1 k2 k3 d1 d2 p1 p2``, in this order.
     """
 
     name: str
@@ -137,7 +137,7 @@ class BrownLens:
         return pixels.reshape(-1, 2), slopes[:, :, chosen], slopes[:, :, 3:6]
 
     def distortion(self, values: Floats) -> Distortion | None:
-        """Make the lens of some values of the unknowns; None where no coefficient is free."""
+        """Return the distortion for given values of the unknowns; None if no coefficient is free."""
         if not self.coefficients:
             return None
         by_name = dict(zip(self.coefficients, (float(value) for value in values[4:]), strict=True))
@@ -145,7 +145,7 @@ class BrownLens:
         return BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2))
 
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
-        """Make the camera of some values of the unknowns and a pose."""
+        """Return the camera for given values of the unknowns and a pose."""
         fx, fy, cx, cy = (float(value) for value in values[:4])
         tx, ty, tz = (float(value) for value in translation)
         lens = self.distortion(values)
@@ -160,11 +160,11 @@ class BrownLens:
 
 
 BROWN, RADIAL = (BrownLens(word, _WORDS[word]) for word in ("brown", "radial1"))
-"""The richest and the plainest of the models with a lens."""
+"""Models with five coefficients and with one."""
 
 
 def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
-    """Read the name of a lens model.
+    """Parse the name of a lens model.
 
     Parameters
     ----------
@@ -176,12 +176,12 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
     Returns
     -------
     BrownLens or str
-        The model, or the word of a non-parametric one.
+        The model, or the name of a non-parametric one.
 
     Raises
     ------
     CameraError
-        If a word is unknown, or a spline is joined with another model, which it holds already.
+        If a name is unknown, or a spline is combined with another model.
     """
     words = distortion.split("+") if isinstance(distortion, str) else list(distortion)
     words = [re.sub(r"\s", "", word) for word in words]
@@ -189,9 +189,11 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
     if unknown or not words:
         given = unknown[0] if unknown else ""
         known = ", ".join((*_WORDS, *SPLINES))
-        raise CameraError(f"distortion: {given!r} is unknown; give {known}, or several but the splines joined by '+'.")
+        raise CameraError(
+            f"distortion: {given!r} is unknown; give one of {known}, or several without splines joined by '+'."
+        )
     if len(words) > 1 and any(word in SPLINES for word in words):
-        raise CameraError(f"distortion: {'+'.join(words)!r}: a spline takes any shape, leave out the other models.")
+        raise CameraError(f"distortion: {'+'.join(words)!r}: a spline has any shape; leave out the other models.")
     if words[0] in SPLINES:
         return words[0]
     free = {name for word in words for name in _WORDS[word]}

@@ -1,10 +1,10 @@
-"""The non-parametric model: a field of displacements on the retinal plane, whatever its shape (paper, Fig. 12).
+"""Non-parametric model: a displacement field on the plane of normalised image coordinates (paper, Fig. 12).
 
-The paper fits the field to what a pure projective calibration leaves. There each pose has already taken its part of the
-distortion, another in every view; here the field and the poses are unknowns of one least-squares problem, and the field
-is what is added to the one radial coefficient of a first fit. Nothing tells a common shift, scale or turn of the field
-from another principal point, focal length or turn of all poses: this rigid part is kept out of what is added. Its
-fourth differences are penalised, as much as `fedic.calibration._adjustment.smoothing` finds right.
+The paper fits the field to the residuals of a projective calibration, whose poses have already absorbed a part of the
+distortion. Here the field and the poses are unknowns of one least-squares problem, and the field is added to that of
+the one radial coefficient of a first fit. A common shift, scale or rotation of the field cannot be distinguished from
+another principal point, focal length or rotation of all poses: this rigid part is suppressed by a penalty. Another
+penalty, on the fourth differences, smooths the field; its weight is chosen by cross-validation.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ __all__ = ["SplineLens"]
 _POINTS_PER_COEFFICIENT = 8
 _FEWEST_INTERVALS, _MOST_INTERVALS = 4, 16
 _MARGIN = 0.005
-"""Of the extent of the points, by which the domain reaches beyond them: they still move a little."""
+"""Margin of the domain around the points, relative to their extent: the fit still moves them a little."""
 _ORDER = 4
 _GRID = 60
 _INVERSE_TOLERANCE_PX = 3e-4
@@ -32,25 +32,25 @@ _INVERSE_TOLERANCE_PX = 3e-4
 class SplineLens:
     """A camera whose lens is a tensor-product cubic B-spline.
 
-    Its unknowns are fx, fy, cx, cy, and what is added to the coefficients of a first lens: of the displacement along x,
+    Its unknowns are fx, fy, cx, cy, and the changes of the coefficients of a first lens: of the displacement along x,
     then along y.
 
     Attributes
     ----------
     name : str
-        ``"spline"`` or ``"inverse-spline"``: what the camera is made with.
+        ``"spline"`` or ``"inverse-spline"``, the form of the lens of the camera.
     domain : (x0, y0, x1, y1)
-        On the retinal plane.
+        Domain in normalised image coordinates.
     intervals : (int, int)
-        Along x and y.
+        Numbers of intervals along x and y.
     first : ndarray, shape (number of coefficients, 2)
-        Coefficients that follow the first lens.
+        Coefficients that approximate the first lens.
     image : (u0, v0, u1, v1)
-        The part of the image the points lie in, in pixels: the domain of the inverse form, which has points all over.
+        Part of the image covered by the points, in pixels: the domain of the inverse form.
     unit : float
-        What the points weigh on a coefficient, about: pixels squared.
+        Typical weight of the points on a coefficient, in pixels squared.
     smoothing : float
-        Weight of the squared differences, in this unit.
+        Weight of the squared differences in this unit.
     """
 
     name: str
@@ -70,9 +70,9 @@ class SplineLens:
         name : str
             ``"spline"`` or ``"inverse-spline"``.
         points, pixels : ndarray, shape (n, 2)
-            Retinal points without distortion, and where they are seen.
+            Undistorted points in normalised coordinates, and their image points.
         first : Pinhole
-            A first fit.
+            Camera of a first fit.
         """
         domain = _box(points)
         sides = np.subtract(domain[2:], domain[:2])
@@ -89,7 +89,7 @@ class SplineLens:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the unknowns that have one."""
+        """Names of the first unknowns."""
         return ("fx", "fy", "cx", "cy")
 
     @property
@@ -99,24 +99,24 @@ class SplineLens:
 
     @property
     def tolerance(self) -> float:
-        """Of hundreds of unknowns together: the sum of squares would fall by a quarter of a coordinate's variance.
+        """Half a standard deviation, for hundreds of unknowns: the cost would fall by a quarter of a variance.
 
-        To go on takes many iterations, since the views hardly determine some combinations of the field and the poses.
+        More iterations would be many, since the views hardly determine some combinations of the field and the poses.
         """
         return 0.5
 
     @property
     def first_damping(self) -> float:
-        """Next to none: the field is linear, and the poses come from another fit."""
+        """Nearly zero: the problem is linear in the field, and the poses come from a first fit."""
         return 1e-9
 
     @cached_property
     def penalty(self) -> Floats:
-        """Matrix (size, size) of the quadratic form that smooths the field and keeps its rigid part out."""
+        """Matrix (size, size) of the quadratic form that smooths the field and suppresses its rigid part."""
         return self.penalty_of(self.smoothing)
 
     def penalty_of(self, smoothing: float) -> Floats:
-        """Return the penalty with another smoothing."""
+        """Return the penalty for another smoothing."""
         form: Floats = self.unit * (self._rigidity + smoothing * self._roughness)
         return form
 
@@ -134,9 +134,9 @@ class SplineLens:
 
     @cached_property
     def _rigidity(self) -> Floats:
-        """Matrix (size, size) of a quadratic form that only the rigid part of the field feels.
+        """Matrix (size, size) of a quadratic form of the rigid part of the field.
 
-        The data do not feel it where poses and intrinsic parameters follow, so that its weight does not matter.
+        Its weight does not matter, since poses and intrinsic parameters can compensate the rigid part exactly.
         """
         places = _grid(self.domain)
         x, y = places.T
@@ -154,10 +154,10 @@ class SplineLens:
         fx, fy, cx, cy = values[:4]
         along, across = self._coefficients(values)
         depth = positions[:, 2:]
-        retinal = positions[:, :2] / depth
-        basis, by_x, by_y = spline_basis(self.domain, self.intervals, retinal)
+        undistorted = positions[:, :2] / depth
+        basis, by_x, by_y = spline_basis(self.domain, self.intervals, undistorted)
         field = np.column_stack([basis @ along, basis @ across])
-        seen = retinal + field
+        seen = undistorted + field
         slopes = np.eye(2) + np.stack(
             [np.column_stack([by_x @ along, by_y @ along]), np.column_stack([by_x @ across, by_y @ across])], axis=1
         )
@@ -168,17 +168,17 @@ class SplineLens:
         by_values[:, 0, 2] = by_values[:, 1, 3] = 1.0
         by_values[:, 0, 4 : 4 + self._count] = fx * basis
         by_values[:, 1, 4 + self._count :] = fy * basis
-        of_depth = -np.einsum("nij,nj->ni", slopes, retinal)[:, :, np.newaxis]
+        of_depth = -np.einsum("nij,nj->ni", slopes, undistorted)[:, :, np.newaxis]
         by_positions = np.concatenate([slopes, of_depth], axis=2) / depth[:, :, np.newaxis]
         return seen * (fx, fy) + (cx, cy), by_values, by_positions
 
     def distortion(self, values: Floats) -> SplineDistortion:
-        """Make the direct form of the lens of some values of the unknowns."""
+        """Return the direct form of the lens for given values of the unknowns."""
         width, height = (count + 3 for count in self.intervals)
         return SplineDistortion(self.domain, self._coefficients(values).T.reshape(height, width, 2))
 
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
-        """Make the camera of some values of the unknowns and a pose."""
+        """Return the camera for given values of the unknowns and a pose."""
         fx, fy, cx, cy = (float(value) for value in values[:4])
         tx, ty, tz = (float(value) for value in translation)
         lens: Distortion = self.distortion(values)
@@ -189,8 +189,8 @@ class SplineLens:
                 lens = InverseSplineDistortion.from_lens(lens, domain, _INVERSE_TOLERANCE_PX / max(fx, fy))
             except CameraError as fault:
                 raise CameraError(
-                    f"The lens found has no inverse all over the image ({fault}): add views where few points lie, or "
-                    "take 'spline'."
+                    f"The lens has no inverse all over the image ({fault}): add views where there are few points, or "
+                    "use 'spline'."
                 ) from fault
         return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
 
@@ -204,7 +204,7 @@ class SplineLens:
         return (self.intervals[0] + 3) * (self.intervals[1] + 3)
 
     def _of_both(self, field: Floats) -> Floats:
-        """Return a quadratic form of all unknowns from one of the coefficients of one component."""
+        """Return the quadratic form of all unknowns from that of the coefficients of one component."""
         form = np.zeros((self.size, self.size))
         form[4 : 4 + self._count, 4 : 4 + self._count] = field
         form[4 + self._count :, 4 + self._count :] = field
@@ -212,7 +212,7 @@ class SplineLens:
 
 
 def _grid(domain: tuple[float, float, float, float]) -> Floats:
-    """Return points (n, 2) all over a rectangle, its borders included."""
+    """Return points (n, 2) of a regular grid over a rectangle, including its borders."""
     x, y = np.meshgrid(np.linspace(domain[0], domain[2], _GRID), np.linspace(domain[1], domain[3], _GRID))
     return np.column_stack([x.ravel(), y.ravel()])
 

@@ -1,4 +1,4 @@
-"""Cameras in files: fedic's own ``camera.toml`` and those of other packages."""
+"""Camera files: ``camera.toml`` of fedic, and those of other programs."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -31,27 +31,27 @@ def read_camera(path: StrPath, *, number: int = 0) -> Camera:
     Parameters
     ----------
     path : str or path
-        By its suffix: ``.toml`` (fedic), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV), ``.npz`` (arrays under OpenCV's
-        usual names), ``.txt`` (report of VIC-3D), ``.caldat`` (MatchID).
+        File; its suffix is the format: ``.toml`` (fedic), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV), ``.npz`` (arrays
+        under OpenCV's usual names), ``.txt`` (report of VIC-3D), ``.caldat`` (MatchID).
     number : int
-        Which one, where the file holds two: 0 or 1.
+        Index of the camera in a file of two: 0 or 1.
 
     Returns
     -------
     Pinhole, FrontParallel or ImageFrame
-        With the pose in the file. Where it holds none, and for the first of two cameras, the world is the camera's own
-        frame: no rotation, no translation. The second of two cameras has the pose that carries the frame of the first
-        to its own.
+        The camera with the pose in the file. Without a pose, and for the first of two cameras, the world is the
+        camera's own frame: no rotation, no translation. The pose of the second of two cameras maps the frame of the
+        first to its own.
 
     Raises
     ------
     CameraError
-        If the file is missing, truncated, lacks a value, or says what fedic's cameras cannot express.
+        If the file is missing, truncated, lacks a value, or has a value that fedic's cameras cannot represent.
     """
     path = Path(path)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        raise CameraError(f"{path}: a camera is not read from {path.suffix!r}; give one of {', '.join(_READERS)}.")
+        raise CameraError(f"{path}: {path.suffix!r} is not a camera format; give one of {', '.join(_READERS)}.")
     if not path.is_file():
         raise CameraError(f"{path}: there is no such camera file; check the path.")
     return reader(path, number)
@@ -65,13 +65,13 @@ def write_camera(
     Parameters
     ----------
     camera : Pinhole, FrontParallel or ImageFrame
-        The camera; OpenCV's files hold a `fedic.Pinhole` without skew only.
+        The camera; OpenCV's files can hold a `fedic.Pinhole` without skew only.
     path : str or path
-        Ends in ``.toml`` (read by ``fedic run``), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV).
+        File, ending in ``.toml`` (read by ``fedic run``), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV).
     overwrite : bool
-        Whether a file that exists may be replaced.
+        If true, an existing file is replaced.
     notes : mapping, optional
-        Numbers and texts kept in the section ``[calibration]`` of a ``.toml`` file, which nothing reads.
+        Numbers and texts for the section ``[calibration]`` of a ``.toml`` file, which is ignored on reading.
 
     Returns
     -------
@@ -81,9 +81,9 @@ def write_camera(
     Raises
     ------
     CameraError
-        If the file exists and `overwrite` is not given, the suffix is another, or the format cannot hold the camera.
+        If the file exists and `overwrite` is false, the suffix is another, or the format cannot hold the camera.
     FedicError
-        If it cannot be written.
+        If the file cannot be written.
     """
     path = Path(path)
     check_writable(path, overwrite=overwrite)
@@ -102,20 +102,20 @@ def check_writable(path: Path, *, overwrite: bool) -> None:
     path : Path
         The file.
     overwrite : bool
-        Whether it may exist.
+        If true, the file may exist.
 
     Raises
     ------
     CameraError
-        If it exists and may not, or its suffix is none that is written.
+        If the file exists and `overwrite` is false, or its suffix is not a format that can be written.
     FedicError
         If its folder does not exist.
     """
     if path.suffix.lower() not in (".toml", *_OPENCV):
-        raise CameraError(f"{path}: a camera is not written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
+        raise CameraError(f"{path}: a camera cannot be written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
     if not path.parent.is_dir():
         raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.")
     if path.exists() and not overwrite:
         raise CameraError(
-            f"{path}: this camera file exists and was left as it is; overwrite=True (--overwrite) replaces it."
+            f"{path}: this camera file exists and was not changed; overwrite=True (--overwrite) replaces it."
         )

@@ -1,4 +1,4 @@
-"""Cameras in ``.npz`` files, as Python programs save OpenCV's matrices."""
+"""Cameras in ``.npz`` files of OpenCV's matrices."""
 
 import zipfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Cameras in the ``.caldat`` files of MatchID: lines ``Cam1_Fx [pixels];7015.3``."""
+"""Cameras in the ``.caldat`` files of MatchID, with lines such as ``Cam1_Fx [pixels];7015.3``."""
 
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ _CAMERA = re.compile(r"cam(\d+)_(.*)", re.IGNORECASE)
 
 
 def read_matchid(path: Path, number: int) -> Pinhole:
-    """Read one of the cameras of a file; those of a pair are called Cam0 and Cam1, or Cam1 and Cam2."""
+    """Read one of the cameras of a file; those of a pair are named Cam0 and Cam1, or Cam1 and Cam2."""
     values = _values(path)
     numbered = [(int(match[1]), match[2], value) for key, value in values.items() if (match := _CAMERA.fullmatch(key))]
     cameras = sorted({number for number, _, _ in numbered})
@@ -35,7 +35,9 @@ def read_matchid(path: Path, number: int) -> Pinhole:
         raise CameraError(f"{path}: no key such as 'Cam1_Fx [pixels]'; is this a calibration file of MatchID?")
     if not 0 <= number < len(cameras):
         names = ", ".join(f"Cam{number}" for number in cameras)
-        raise CameraError(f"{path}: camera {number} was asked for, the file holds {len(cameras)}: {names}, from 0.")
+        raise CameraError(
+            f"{path}: there is no camera {number}; the file holds {len(cameras)}, counted from 0: {names}."
+        )
     prefix = f"Cam{cameras[number]}_"
     own = {key: value for each, key, value in numbered if each == cameras[number]}
     for key in _REQUIRED:
@@ -50,7 +52,7 @@ def read_matchid(path: Path, number: int) -> Pinhole:
 
 
 def _values(path: Path) -> dict[str, float]:
-    """Return the numbers of the file by key, the unit in brackets taken off."""
+    """Return the numbers of the file by key, without the unit in brackets."""
     try:
         text = path.read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
@@ -64,7 +66,7 @@ def _values(path: Path) -> dict[str, float]:
         try:
             values[name] = float(value.rstrip(";"))
         except ValueError:
-            raise CameraError(f"{path}: {key} = {value!r} is no number; is the file truncated?") from None
+            raise CameraError(f"{path}: {key} = {value!r} is not a number; is the file truncated?") from None
     return values
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from fedic._core import Pinhole
 from fedic.cameras.files.matrices import camera_from_matrices, matrices_of_camera
 from fedic.errors import CameraError
-from fedic.io.atomic import replacing
+from fedic.io.atomic import atomic_path
 
 __all__ = ["KEYS", "find_key", "read_opencv", "write_opencv"]
 
@@ -23,7 +23,7 @@ KEYS = {
     "rotation": ("rvec", "rotation_vector", "rotation_matrix", "rotation", "R"),
     "translation": ("tvec", "translation_vector", "translation", "T", "t"),
 }  # fmt: skip
-"""The names under which other programs keep each matrix."""
+"""Keys under which other programs store each matrix."""
 
 _PAIRS = {
     "matrix": ("M{}", "K{}", "cameraMatrix{}", "camera_matrix_{}", "mtx{}"),
@@ -33,21 +33,21 @@ _OTHER_MODELS = ("equidistant", "fisheye", "rational_polynomial", "thin_prism")
 
 
 def find_key(path: Path, names: list[str], number: int) -> dict[str, str]:
-    """Return the key of each matrix among the names in a file.
+    """Return the key of each matrix in a file.
 
     Parameters
     ----------
     path : Path
         The file, for messages.
     names : list of str
-        What it holds.
+        Keys in the file.
     number : int
-        0, or 1 for the second of two.
+        Index of the camera, 0 or 1.
 
     Returns
     -------
     dict of str to str
-        For ``matrix``, and where they are there ``distortion``, ``rotation`` and ``translation``.
+        Keys of ``matrix`` and, if present, of ``distortion``, ``rotation`` and ``translation``.
 
     Raises
     ------
@@ -59,26 +59,26 @@ def find_key(path: Path, names: list[str], number: int) -> dict[str, str]:
     paired = {what: next((key for key in keys if key in names), "") for what, keys in forms.items()}
     if single["matrix"]:
         if number != 0:
-            raise CameraError(f"{path}: camera {number} was asked for, the file holds one, number 0.")
+            raise CameraError(f"{path}: there is no camera {number}; the file holds one, number 0.")
         return {what: key for what, key in single.items() if key}
     if not paired["matrix"]:
         expected = ", ".join([*KEYS["matrix"], *forms["matrix"]])
         raise CameraError(
-            f"{path}: no camera matrix {f'of camera {number} ' if number else ''}is under any of the keys {expected}; "
-            f"the file holds {', '.join(names) or 'nothing'}."
+            f"{path}: there is no camera matrix {f'of camera {number} ' if number else ''}under any of the keys "
+            f"{expected}; the file holds {', '.join(names) or 'nothing'}."
         )
     pose = {what: single[what] for what in ("rotation", "translation")} if number else {}
     return {what: key for what, key in {**paired, **pose}.items() if key}
 
 
 def read_opencv(path: Path, number: int) -> Pinhole:
-    """Read a camera from a file of OpenCV's ``FileStorage``, or of ROS."""
+    """Read a camera from a file of OpenCV's ``FileStorage`` or of ROS."""
     root, storage = _opened(path)
-    names = [name for name in root.keys() if root.getNode(name) is not None]  # noqa: SIM118 - a FileNode is no dict
+    names = [name for name in root.keys() if root.getNode(name) is not None]  # noqa: SIM118 - a FileNode is not a dict
     model = root.getNode("distortion_model").string() if "distortion_model" in names else ""
     if model in _OTHER_MODELS or ("fisheye_model" in names and root.getNode("fisheye_model").real() != 0.0):
         raise CameraError(
-            f"{path}: the lens model {model or 'fisheye'!r} is not fedic's; calibrate as a pinhole camera."
+            f"{path}: the lens model {model or 'fisheye'!r} is not supported; calibrate as a pinhole camera."
         )
     keys = find_key(path, names, number)
     found = {what: (key, _matrix(path, key, root.getNode(key))) for what, key in keys.items()}
@@ -89,11 +89,11 @@ def read_opencv(path: Path, number: int) -> Pinhole:
 
 
 def write_opencv(camera: object, path: Path) -> None:
-    """Write a camera as OpenCV's sample programs do, with its pose as ``rvec`` and ``tvec``."""
+    """Write a camera in the format of OpenCV's sample programs, with its pose as ``rvec`` and ``tvec``."""
     import cv2
 
     matrix, distortion, rotation, translation = matrices_of_camera(path, camera)
-    with replacing(path) as temporary:
+    with atomic_path(path) as temporary:
         storage = cv2.FileStorage(str(temporary), cv2.FILE_STORAGE_WRITE)
         if not storage.isOpened():
             raise FileNotFoundError(temporary)
@@ -105,7 +105,7 @@ def write_opencv(camera: object, path: Path) -> None:
 
 
 def _opened(path: Path) -> tuple[Any, Any]:
-    """Return the root of a file and the storage it lives in."""
+    """Return the root of a file and its storage."""
     import cv2
 
     try:
@@ -125,15 +125,15 @@ def _opened(path: Path) -> tuple[Any, Any]:
 
 
 def _matrix(path: Path, key: str, node: Any) -> np.ndarray[Any, Any]:
-    """Return a matrix of OpenCV, a list of numbers, or the ``data`` of a map as ROS writes it."""
+    """Return a matrix of OpenCV, a list of numbers, or the ``data`` of a map written by ROS."""
     if node.isMap():
         try:
             matrix = node.mat()
-        except Exception:  # a map that is no matrix of OpenCV's
+        except Exception:  # a map that is not a matrix of OpenCV
             matrix = None
         if matrix is not None:
             return np.asarray(matrix)
         node = node.getNode("data")
     if not node.isSeq():
-        raise CameraError(f"{path}: {key} is no matrix.")
+        raise CameraError(f"{path}: {key} is not a matrix.")
     return np.array([node.at(index).real() for index in range(node.size())])

@@ -1,4 +1,4 @@
-"""The pose of the second camera of a stereo calibration."""
+"""Cameras of a stereo calibration, with the pose of the second relative to the first."""
 
 from pathlib import Path
 
@@ -38,18 +38,19 @@ def stereo_camera(
     angles: tuple[float, float, float],
     distances: tuple[float, float, float],
 ) -> Pinhole:
-    """Make one of two cameras: the world is the frame of the first.
+    """Make one of two cameras; the world is the frame of the first.
 
     Parameters
     ----------
     path : Path
         The file, for messages.
     number : int
-        0 or 1.
+        Index of the camera, 0 or 1.
     intrinsics : dict of str to float
-        ``fx fy fs cx cy k1 k2 k3 d1 d2``, of that camera.
+        Values of ``fx fy fs cx cy k1 k2 k3 d1 d2``.
     angles, distances : (float, float, float)
-        From the frame of the first camera to that of the second, in degrees and in the file's unit of length.
+        Rotation and translation from the frame of the first camera to that of the second, in degrees and in the file's
+        unit of length.
 
     Returns
     -------
@@ -59,7 +60,7 @@ def stereo_camera(
     Raises
     ------
     CameraError
-        If the numbers make no camera.
+        If the values are not those of a camera.
     """
     fx, fs = intrinsics["fx"], intrinsics["fs"]
     angle = float(np.arctan2(fx, fs)) if fs else np.pi / 2

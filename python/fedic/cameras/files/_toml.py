@@ -1,4 +1,4 @@
-"""Cameras in ``camera.toml``: what ``[camera]`` holds in the configuration of a run, as a file of its own."""
+"""Cameras in ``camera.toml``, with the keys of ``[camera]`` in the configuration of a run."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,7 +10,7 @@ from fedic._internal.sections import read_tables
 from fedic._internal.types import Camera, Distortion
 from fedic.cameras.schema import parse_camera
 from fedic.errors import CameraError, ConfigError
-from fedic.io.atomic import replacing
+from fedic.io.atomic import atomic_path
 
 __all__ = ["read_toml", "write_toml"]
 
@@ -18,9 +18,9 @@ _HEADER = '# A camera for fedic; in the configuration of a run: [camera], file =
 
 
 def read_toml(path: Path, number: int) -> Camera:
-    """Read a camera; the section ``[calibration]`` is for people."""
+    """Read a camera; the section ``[calibration]`` is ignored."""
     if number != 0:
-        raise CameraError(f"{path}: camera {number} was asked for, the file holds one, number 0.")
+        raise CameraError(f"{path}: there is no camera {number}; the file holds one, number 0.")
     try:
         content = read_tables(path, "camera")
         content.pop("calibration", None)
@@ -36,8 +36,10 @@ def write_toml(camera: Camera, path: Path, notes: Mapping[str, object]) -> None:
     if lens is not None:
         text += "\n[distortion]\n" + _lines(_lens(lens))
     if notes:
-        text += "\n# How well it is known, in pixels and radians; read by nothing.\n[calibration]\n" + _lines(notes)
-    with replacing(path) as temporary:
+        text += "\n# Uncertainty and origin, in pixels and radians; ignored on reading.\n[calibration]\n" + _lines(
+            notes
+        )
+    with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
@@ -56,7 +58,7 @@ def _content(path: Path, camera: Camera) -> dict[str, object]:
             "translation": list(camera.translation),
             "skew_angle": camera.skew_angle,
         }
-    raise CameraError(f"{path}: a {type(camera).__name__} is no camera fedic can write.")
+    raise CameraError(f"{path}: a {type(camera).__name__} cannot be written as a camera.")
 
 
 def _lens(lens: Distortion) -> dict[str, object]:

@@ -27,7 +27,7 @@ _HEADING = re.compile(r"Camera (\d+) intrinsics")
 def read_vic3d(path: Path, number: int) -> Pinhole:
     """Read one of the cameras of a report.
 
-    The second camera's point is ``X_1 = Rz Ry Rx X_0 + T``; the report does not say so, its magnifications do.
+    The frame of the second camera is ``X_1 = Rz Ry Rx X_0 + T``, as its magnifications imply; the report does not say.
     """
     sections = _sections(path)
     if not any(_HEADING.fullmatch(name) for name in sections):
@@ -35,7 +35,7 @@ def read_vic3d(path: Path, number: int) -> Pinhole:
     heading = f"Camera {number} intrinsics"
     if heading not in sections:
         there = [name for name in sections if _HEADING.fullmatch(name)]
-        raise CameraError(f"{path}: camera {number} was asked for, the report holds {', '.join(there)}.")
+        raise CameraError(f"{path}: there is no camera {number}; the report holds {', '.join(there)}.")
     intrinsics = dict(_OPTIONAL) | {"d1": 0.0, "d2": 0.0}
     for key, value in sections[heading].items():
         if key in _INTRINSICS:
@@ -80,8 +80,8 @@ def _triple(path: Path, sections: dict[str, dict[str, str]], heading: str) -> tu
 
 
 def _number(path: Path, key: str, value: str) -> float:
-    """Read ``12.3 +/- 0.4``."""
+    """Return the value of a text such as ``12.3 +/- 0.4``."""
     try:
         return float(value.split("+/-")[0])
     except ValueError:
-        raise CameraError(f"{path}: {key} = {value!r} is no number.") from None
+        raise CameraError(f"{path}: {key} = {value!r} is not a number.") from None

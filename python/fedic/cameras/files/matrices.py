@@ -1,4 +1,4 @@
-"""Cameras from OpenCV's matrices, and what those may hold that fedic's cameras cannot."""
+"""Conversion between cameras and OpenCV's matrices."""
 
 from pathlib import Path
 
@@ -15,13 +15,13 @@ _BEYOND = {"k4": 5, "k5": 6, "k6": 7, "s2": 9, "s4": 11, "tau_x": 12, "tau_y": 1
 
 
 def numbers(path: Path, key: str, values: object, size: int | None = None) -> Floats:
-    """Return values as a flat array of finite numbers, of a given size if any."""
+    """Return values as a flat array of finite numbers, optionally of a given size."""
     try:
         found = np.asarray(values, dtype=np.float64).ravel()
     except (TypeError, ValueError):
-        raise CameraError(f"{path}: {key} holds no numbers.") from None
+        raise CameraError(f"{path}: {key} does not hold numbers.") from None
     if size is not None and found.size != size:
-        raise CameraError(f"{path}: {key} holds {found.size} numbers, {size} are needed; is the file truncated?")
+        raise CameraError(f"{path}: {key} holds {found.size} numbers instead of {size}; is the file truncated?")
     if not np.isfinite(found).all():
         raise CameraError(f"{path}: {key} holds NaN or infinite numbers.")
     return found
@@ -34,7 +34,7 @@ def camera_from_matrices(
     rotation: tuple[str, object] | None = None,
     translation: tuple[str, object] | None = None,
 ) -> Pinhole:
-    """Make a camera from OpenCV's matrices, each given with its key.
+    """Make a camera from OpenCV's matrices, each given with its key in the file.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ def camera_from_matrices(
     Raises
     ------
     CameraError
-        If a matrix has the wrong size, or holds what a `fedic.Pinhole` cannot.
+        If a matrix has the wrong size, or values that a `fedic.Pinhole` cannot represent.
     """
     k = numbers(path, *matrix, size=9).reshape(3, 3)
     if k[1, 0] != 0.0 or not np.array_equal(k[2], [0.0, 0.0, 1.0]):
         raise CameraError(
-            f"{path}: {matrix[0]} is no camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]: {k.tolist()}."
+            f"{path}: {matrix[0]} is not a camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]: {k.tolist()}."
         )
     turn = None if rotation is None else numbers(path, *rotation)
     if turn is not None and turn.size not in (3, 9):
@@ -86,15 +86,19 @@ def matrices_of_camera(path: Path, camera: object) -> tuple[Floats, Floats, Floa
     Raises
     ------
     CameraError
-        If OpenCV cannot express the camera.
+        If OpenCV cannot represent the camera.
     """
     if not isinstance(camera, Pinhole):
-        raise CameraError(f"{path}: OpenCV's files hold a Pinhole only, not a {type(camera).__name__}; write .toml.")
+        raise CameraError(
+            f"{path}: OpenCV's files can hold a Pinhole only, not a {type(camera).__name__}; write .toml."
+        )
     if not np.isclose(camera.skew_angle, np.pi / 2, rtol=0.0, atol=1e-15):
         raise CameraError(f"{path}: OpenCV ignores the skew of the camera ({camera.skew_angle} rad); write .toml.")
     lens = camera.distortion
     if lens is not None and not isinstance(lens, BrownDistortion):
-        raise CameraError(f"{path}: OpenCV's files hold a BrownDistortion only, not a {type(lens).__name__}.")
+        raise CameraError(
+            f"{path}: OpenCV's files can hold a BrownDistortion only, not a {type(lens).__name__}; write .toml."
+        )
     (k1, k2, k3), (d1, d2), (p1, p2) = (
         ((0.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0)) if lens is None else (lens.radial, lens.decentering, lens.prism)
     )
@@ -118,7 +122,7 @@ def _lens(path: Path, key: str, values: object) -> BrownDistortion | None:
     if beyond:
         raise CameraError(
             f"{path}: {key} has {', '.join(beyond)}: the rational and tilted models and the prism terms in r^4 are not "
-            "fedic's; calibrate again without them."
+            "supported; calibrate again without them."
         )
     k1, k2, d1, d2, k3 = (float(value) for value in full[:5])
     return BrownDistortion((k1, k2, k3), (d1, d2), (float(full[8]), float(full[10])))
