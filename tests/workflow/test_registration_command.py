@@ -69,9 +69,9 @@ class TestCommand:
         (folder / "old.png").write_bytes(b"kept")
         measured = (folder / "plate.png").read_bytes()
         for more, name, message in (
-            ([], "old.png", "old.png: this file exists and was left as it is; --overwrite replaces it"),
-            ([], "plate.png", "plate.png: the picture would replace an image that is read"),
-            (["--overwrite"], "plate.png", "plate.png: the picture would replace an image that is read"),
+            ([], "old.png", "old.png: this file exists and was not changed; --overwrite replaces it"),
+            ([], "plate.png", "plate.png: the picture would replace an input image"),
+            (["--overwrite"], "plate.png", "plate.png: the picture would replace an input image"),
             ([], "no/new.png", "no does not exist; make it first"),
         ):
             outcome = self.run(folder, *options, str(folder / name), *more)
@@ -96,7 +96,7 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("start", "message"),
         [
-            (FRONT, "hold a Pinhole only, not a FrontParallel; write .toml"),
+            (FRONT, "can hold a Pinhole only, not a FrontParallel; write .toml"),
             (fedic.Pinhole((900, 905), (300, 200), TILTED, (0, 0, 100.0), skew_angle=1.57), "ignores the skew"),
         ],
         ids=["front", "skew"],
@@ -129,7 +129,7 @@ class TestCommand:
         ("options", "message"),
         [
             ([], "hole 0: circle"),
-            (["--feature", "rim"], "no boundary piece 'rim'"),
+            (["--feature", "rim"], "no boundary part 'rim'"),
             (["--points", "nothing.csv"], "nothing.csv"),
             (["--feature", "hole 0", "--picture", "mesh.pdf"], "png only"),
         ],

@@ -74,7 +74,7 @@ def test_a_failed_candidate_pose_does_not_discard_the_other(place: int, monkeypa
     np.testing.assert_allclose(off(found.camera, PINHOLE), 0.0, atol=1e-7)
 
     poses[:] = [behind(PINHOLE)] * 2
-    with pytest.raises(fedic.CameraError, match="does not see all the points"):
+    with pytest.raises(fedic.CameraError, match="does not see all points"):
         fedic.register(MESH, BLANK, BARE, points=pairs)
 
 

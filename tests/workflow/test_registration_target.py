@@ -62,22 +62,26 @@ class TestTarget:
         [
             ({"target": "chessboard:9x6:2"}, fedic.ImageError, r"target chessboard:9x6:2 is not found in the image: "),
             ({"target": "chess:9x6:2"}, fedic.CameraError, "'chess' is unknown"),
-            ({"target_origin": None}, fedic.CameraError, r"where it lies on the mesh, target_origin=\(x, y\)"),
+            (
+                {"target_origin": None},
+                fedic.CameraError,
+                r"the plane of the specimen only; give target_origin=\(x, y\)",
+            ),
             ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=nan: give .* both finite"),
             ({"target_origin": 3.0}, fedic.CameraError, r"target_origin=3.0: give \(x, y\)"),
             ({"target_origin": (1.0, 2.0, 3.0)}, fedic.CameraError, "target_origin=.* in the frame of the mesh"),
             ({"target_origin": ("1", 2.0)}, fedic.CameraError, "target_origin='1': give .* both finite"),
             ({"target_angle": "a"}, fedic.CameraError, "target_angle='a': give a finite angle in radians"),
             ({"target_thickness": None}, fedic.CameraError, "target_thickness=None: give a finite height"),
-            ({"target": 7}, fedic.CameraError, "target: a int is no target"),
+            ({"target": 7}, fedic.CameraError, "target is a int"),
             (
                 {"target_origin": None, "target_angle": 0.1, "features": ["hole 0"]},
                 fedic.CameraError,
-                "target_angle: it turns .* add target_origin",
+                "target_angle is given without target_origin.* add target_origin",
             ),
             ({"target_thickness": np.inf}, fedic.CameraError, "target_thickness=inf: give a finite height"),
-            ({"camera": FRONT}, fedic.CameraError, "pose of a calibrated Pinhole, not of a FrontParallel"),
-            ({"camera": BARE}, fedic.CameraError, "read in two directions, and the start.* give a rough pose"),
+            ({"camera": FRONT}, fedic.CameraError, "needs a calibrated Pinhole, not a FrontParallel"),
+            ({"camera": BARE}, fedic.CameraError, "read in two directions, and the given pose.* give a rough pose"),
             (
                 {"target_origin": None, "features": ["hole 0", "right"], "free": ["tx", "ty"]},
                 fedic.CameraError,
@@ -113,5 +117,5 @@ class TestTarget:
 
     def test_a_wrong_focal_length_is_refused(self, image: NDArray[np.uint8]) -> None:
         other = fedic.Pinhole((900, 500), (300, 200), PINHOLE.rotation, PINHOLE.translation)
-        with pytest.raises(fedic.ImageError, match=r"closer than .* px: .* another calibration"):
+        with pytest.raises(fedic.ImageError, match=r"fits its points to less than .* px: .* another calibration"):
             fedic.register(MESH, image, other, target=BOARD, target_origin=(8.0, 8.0))
