@@ -10,8 +10,8 @@ import fedic
 from scenes.placed_plate import BARE, BLANK, BOUNDARY, FRONT, MESH, PINHOLE, POINTS, plate
 
 BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
-    ({}, fedic.CameraError, r"give points, features or a target .*\n  left: straight, \(0, 25\) to \(0, 0\)"),
-    ({"features": ["hole"]}, fedic.MeshError, r"no boundary piece 'hole'; it has\n  left: .*\n(.*\n)*  hole 0: circle"),
+    ({}, fedic.CameraError, r"give points, features or a target; .*\n  left: straight, \(0, 25\) to \(0, 0\)"),
+    ({"features": ["hole"]}, fedic.MeshError, r"no boundary part 'hole'; it has\n  left: .*\n(.*\n)*  hole 0: circle"),
     ({"features": "hole 0"}, fedic.MeshError, "give a list of names"),
     ({"features": ["top", "top"]}, fedic.MeshError, "'top' is given twice"),
     ({"features": ["bottom", "top"]}, fedic.SolveError, "do not determine .*u0.* Add point pairs or features"),
@@ -61,7 +61,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     (
         {"features": BOUNDARY, "camera": fedic.FrontParallel(8.0, (60.0, 370.0), -0.1)},
         fedic.ImageError,
-        "is not found in the image: .* search = 60 px away",
+        "is not found in the image: .* further than search = 60 px",
     ),
     ({"features": BOUNDARY, "image": BLANK}, fedic.ImageError, "is not found in the image: 0 of its .* segments show"),
     ({"features": BOUNDARY, "image": None}, fedic.ImageError, "give a NumPy array"),
