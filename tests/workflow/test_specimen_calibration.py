@@ -255,7 +255,7 @@ def test_advice_names_undetermined_parameters(frames: list[NDArray[np.float32]])
     ("change", "error", "message"),
     [
         ({"images": []}, fedic.OptionError, "images is empty; give at least one"),
-        ({"images": np.zeros((180, 240), np.uint8)}, fedic.OptionError, "images is one image; give a list"),
+        ({"images": np.zeros((180, 240), np.uint8)}, fedic.OptionError, "images is a single image; give a list"),
         ({"images": [np.zeros((90, 90), np.uint8)]}, fedic.ImageError, r"images\[0\] has shape \(90, 90\) and the ref"),
         ({"images": ["a.png"]}, fedic.ImageError, r"moved \(images\[0\]\) image is a str"),
         ({"camera": fedic.FrontParallel(1.0)}, fedic.OptionError, "FrontParallel has no parameters .* give a Pinhole"),

@@ -115,11 +115,12 @@ def calibrate_on_specimen(
     camera : Pinhole
         Start; parameters that are not estimated, and the rest of the pose, are kept.
     parameters : sequence of str
-        Any of ``k1, k2, k3, d1, d2, p1, p2`` (see `BrownDistortion`), ``cx, cy, fx, fy`` (pixels), ``rx, ry, rz``
-        (rotation about the camera's axes, from where it is) and ``tx, ty, tz`` (translation).
+        Parameters to estimate: any of ``k1, k2, k3, d1, d2, p1, p2`` (see `BrownDistortion`), ``cx, cy, fx, fy``
+        (pixels), ``rx, ry, rz`` (rotation about the camera's axes, relative to the start) and ``tx, ty, tz``
+        (translation).
     translations : array_like of shape (n, 2), optional
-        Translation of the specimen along ``X`` and ``Y`` in each image, in the mesh's unit and to a few pixels; found
-        by cross-correlation unless given.
+        Translation of the specimen along ``X`` and ``Y`` in each image, in the mesh's unit, to a few pixels; by default
+        found by cross-correlation.
     progress : callable, optional
         See `Correlator.correlate`.
     {options}
@@ -181,7 +182,7 @@ def calibrate_on_specimen(
 
 def _checked_images(reference: Image, images: Sequence[Image]) -> list[Image]:
     if isinstance(images, np.ndarray) and images.ndim == 2:
-        raise OptionError("images is one image; give a list of images of the specimen moved.", "images")
+        raise OptionError("images is a single image; give a list of images.", "images")
     checked = [as_image(image, f"moved (images[{index}])") for index, image in enumerate(images)]
     if not checked:
         raise OptionError("images is empty; give at least one image of the specimen moved.", "images")
@@ -197,8 +198,8 @@ def _checked_images(reference: Image, images: Sequence[Image]) -> list[Image]:
 def _checked_names(camera: Camera, parameters: Sequence[str]) -> tuple[str, ...]:
     if not isinstance(camera, Pinhole):
         raise OptionError(
-            f"camera: {type(camera).__name__} has no parameters to be found; give a Pinhole whose focal length and "
-            "distance are those of the set-up.",
+            f"camera: a {type(camera).__name__} has no parameters to estimate; give a Pinhole with the focal "
+            "length and distance of the set-up.",
             "camera",
         )
     if isinstance(parameters, str):
