@@ -1,8 +1,8 @@
-//! The camera from the specimen itself.
+//! Calibration of the camera on the specimen itself.
 
 use std::str::FromStr;
 
-use fedic::{Iteration, Parameter};
+use fedic::{Iteration, Parameter, SpecimenImages};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,9 +15,9 @@ use crate::mesh::any_mesh;
 use crate::options::specimen_options;
 use crate::worker::run;
 
-/// Camera parameters from rigid motions of a specimen; see `fedic.calibrate_on_specimen`.
+/// Estimates camera parameters from rigid motions of a specimen; see `fedic.calibrate_on_specimen`.
 ///
-/// ``images`` begins with the reference image; ``translations``, (n - 1, 2), are the motions to start from.
+/// ``images`` begins with the reference image; ``translations``, (n - 1, 2), are the approximate translations.
 #[pyfunction]
 #[pyo3(signature = (images, mesh, camera, parameters, translations, *, progress=None, **options))]
 #[allow(clippy::too_many_arguments)]
@@ -43,7 +43,7 @@ pub(crate) fn calibrate_on_specimen(
         .map(|name| Parameter::from_str(name).map_err(|error| option_error(error.to_string(), "parameters")));
     let parameters = parameters.collect::<PyResult<Vec<_>>>()?;
     let options = specimen_options(options)?;
-    let start = rows::<2>(translations, "translations", argument_error)?;
+    let translations = rows::<2>(translations, "translations", argument_error)?;
     let name = |index: usize| if index == 0 { "the reference image".to_owned() } else { format!("image {index}") };
     let borrowed = images.iter().enumerate().map(|(index, image)| GreyArray::borrow(image, &name(index)));
     let borrowed = borrowed.collect::<PyResult<Vec<_>>>()?;
@@ -51,12 +51,14 @@ pub(crate) fn calibrate_on_specimen(
     let views = views.collect::<PyResult<Vec<_>>>()?;
     let count = parameters.len();
     let found = run(py, progress, move |monitor| {
-        fedic::calibrate_on_specimen(&views, mesh, &camera, &parameters, &start, &options, monitor)
+        let (camera, parameters, translations) = (&camera, &parameters, &translations);
+        let input = SpecimenImages { images: &views, mesh, camera, parameters, translations };
+        fedic::calibrate_on_specimen_with(&input, &options, monitor)
     })?;
     Ok(SelfCalibration { inner: found, count })
 }
 
-/// A camera found on the specimen; see `fedic.SpecimenCalibration`.
+/// A camera calibrated on the specimen; see `fedic.SpecimenCalibration`.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct SelfCalibration {
     inner: fedic::SelfCalibration,
@@ -77,7 +79,7 @@ impl SelfCalibration {
         PyArray::from_slice(py, &self.inner.covariance).reshape([self.count, self.count])
     }
 
-    /// Largest way, in pixels, that one unit of each parameter moves a node in an image, (p,) float64.
+    /// Largest displacement of a node in any image per unit of each parameter, in pixels, (p,) float64.
     #[getter]
     fn sensitivities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.inner.sensitivities)
@@ -89,10 +91,10 @@ impl SelfCalibration {
         to_array(py, &self.inner.motions)
     }
 
-    /// Standard deviations of ``motions``, (n, 6) float64; 0 for what was held.
+    /// Standard deviations of ``motions``, (n, 6) float64; 0 for fixed components.
     #[getter]
-    fn motion_deviations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        to_array(py, &self.inner.motion_deviations)
+    fn motion_standard_deviations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.inner.motion_standard_deviations)
     }
 
     /// ``(level, iteration, correction in pixels, residual_rms)`` of every iteration, coarsest level first.
@@ -108,13 +110,13 @@ impl SelfCalibration {
         self.inner.converged
     }
 
-    /// Standard deviation of the grey levels of one image about the texture, as filtered.
+    /// RMS of the difference between the grey levels of one image, as smoothed, and the common texture.
     #[getter]
     fn residual_rms(&self) -> f64 {
         self.inner.residual_rms
     }
 
-    /// Standard deviation of the noise of one image that the covariance stands on, in grey levels.
+    /// Standard deviation of the noise of one image that the covariance assumes, in grey levels.
     #[getter]
     fn noise(&self) -> f64 {
         self.inner.noise

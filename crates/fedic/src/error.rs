@@ -5,8 +5,10 @@ use fedic_image::ImageError;
 use fedic_mesh::{MeshError, list_indices};
 use thiserror::Error;
 
-use crate::SelfCalibrationError;
+use crate::error::self_calibration::SelfCalibrationError;
 use crate::options::OptionError;
+
+pub(crate) mod self_calibration;
 
 /// Why a correlation could not be prepared or solved.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -54,6 +54,7 @@ mod solve;
 
 pub use components::{PLANE, SPACE};
 pub use correlator::{Correlator, Start};
+pub use error::self_calibration::SelfCalibrationError;
 pub use error::{Error, SolveError};
 pub use fedic_camera::{
     BrownDistortion, Camera, CameraError, Distortion, FrontParallel, ImageFrame, InverseSplineDistortion, Parameter,
@@ -76,6 +77,8 @@ pub use options::{
     Range,
 };
 pub use results::solution::{Iteration, Solution};
-pub use self_calibration::{
-    MotionKind, RIGID, SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, calibrate_on_specimen,
-};
+pub use self_calibration::calibrate::{calibrate_on_specimen, calibrate_on_specimen_with};
+pub use self_calibration::motion::{MotionKind, RIGID};
+pub use self_calibration::options::SelfCalibrationOptions;
+pub use self_calibration::result::SelfCalibration;
+pub use self_calibration::specimen_images::SpecimenImages;

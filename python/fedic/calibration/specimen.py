@@ -170,7 +170,7 @@ def calibrate_on_specimen(
         parameters=names,
         covariance=found.covariance,
         motions=found.motions,
-        motion_standard_deviations=found.motion_deviations,
+        motion_standard_deviations=found.motion_standard_deviations,
         history=[Iteration(*entry) for entry in found.history],
         converged=found.converged,
         residual_rms=found.residual_rms,

@@ -105,6 +105,31 @@ impl PointwiseProjector {
         self.pixel.each_ref().map(|c| &c[..self.len])
     }
 
+    /// Number of points of the batch.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Reference coordinates of point `k`.
+    pub(crate) fn coordinates(&self, k: usize) -> [f64; 2] {
+        [self.xi[k], self.eta[k]]
+    }
+
+    /// Position of point `k`.
+    pub(crate) fn position_at(&self, k: usize) -> [f64; 3] {
+        self.position.each_ref().map(|c| c[k])
+    }
+
+    /// Image coordinates of point `k`.
+    pub(crate) fn pixel_at(&self, k: usize) -> [f64; 2] {
+        self.pixel.each_ref().map(|c| c[k])
+    }
+
+    /// Jacobian of the projection at point `k`.
+    pub(crate) fn jacobian_at(&self, k: usize) -> [[f64; 3]; 2] {
+        self.jacobian.each_ref().map(|row| row.each_ref().map(|entry| entry[k]))
+    }
+
     /// Area in pixels, per area of the reference domain, of a cell whose map has the Jacobian `tangents` at point `k`.
     pub(crate) fn pixel_element(&self, k: usize, tangents: &[[f64; 2]; 3]) -> f64 {
         let [[a, b], [c, d]] = self.jacobian.each_ref().map(|row| {

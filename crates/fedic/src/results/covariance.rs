@@ -31,7 +31,7 @@ use crate::{Error, Monitor, Options};
 /// Number of nodes whose unknowns are solved for at once.
 const NODES: usize = 16;
 /// Number of pixels over which interpolation between them averages white noise, about: 1.2 to 1.3 for the splines.
-pub(crate) const PIXELS_INTERPOLATED: f64 = 1.25;
+const PIXELS_INTERPOLATED: f64 = 1.25;
 
 /// Number of pixels over which interpolation and smoothing average white noise.
 pub(crate) fn pixels_averaged(smoothing: f64) -> f64 {
@@ -126,8 +126,7 @@ impl<const D: usize> NoisePass<'_, D> {
             for (k, point) in points.clone().enumerate() {
                 let pixels = match quadrature.point_area(cell) {
                     Some(area) => {
-                        let at = [batch.xi[k], batch.eta[k]];
-                        area * batch.pixel_element(k, &jacobian(cell_type, &cell_points, at))
+                        area * batch.pixel_element(k, &jacobian(cell_type, &cell_points, batch.coordinates(k)))
                     }
                     None => 1.0,
                 };

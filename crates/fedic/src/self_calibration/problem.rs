@@ -1,49 +1,64 @@
-//! What is unknown, and its values so far.
+//! Unknowns of a specimen calibration and their current values.
 
-use fedic_camera::{Parameter, Pinhole};
+use fedic_camera::{Camera, Parameter, Pinhole};
 use fedic_mesh::Mesh;
 
+use crate::self_calibration::layout::Layout;
 use crate::self_calibration::motion::Motion;
-use crate::self_calibration::sums::Layout;
 
-/// What is estimated.
+/// Values of the unknowns.
 #[derive(Debug, Clone)]
 pub(crate) struct State {
     pub(crate) camera: Pinhole,
-    /// Of every image; none for the reference.
+    /// Motion of each image; the identity for the reference image.
     pub(crate) motions: Vec<Motion>,
-    /// Gain and offset of every image; 1 and 0 for the reference.
+    /// Gain and offset of each image; 1 and 0 for the reference image.
     pub(crate) brightness: Vec<[f64; 2]>,
 }
 
 impl State {
-    /// The state after a step of all unknowns; `None` where that is no camera.
-    pub(crate) fn moved_by(&self, problem: &Problem<'_>, step: &[f64]) -> Option<Self> {
+    /// The state after a step of all unknowns; `None` if the step does not lead to a valid camera.
+    pub(crate) fn perturbed(&self, problem: &Problem<'_>, step: &[f64]) -> Option<Self> {
         let layout = problem.layout();
         let camera = self.camera.moved_by(problem.parameters, &step[..layout.parameters]).ok()?;
-        let mut moved = Self { camera, ..self.clone() };
+        let mut perturbed = Self { camera, ..self.clone() };
         for image in 1..layout.images {
             let (motion, brightness) = step[layout.block(image)].split_at(layout.motion);
-            moved.motions[image] = self.motions[image].moved_by(problem.components, motion);
-            moved.brightness[image].iter_mut().zip(brightness).for_each(|(b, step)| *b += step);
+            perturbed.motions[image] = self.motions[image].perturbed(problem.components, motion);
+            perturbed.brightness[image].iter_mut().zip(brightness).for_each(|(b, step)| *b += step);
         }
-        Some(moved)
+        Some(perturbed)
+    }
+
+    /// Largest displacement of a projected node in any image between this state and another, in pixels of the full
+    /// resolution; infinite if a node cannot be projected.
+    pub(crate) fn largest_displacement(&self, other: &Self, mesh: &Mesh) -> f64 {
+        let displacements = self.motions.iter().zip(&other.motions).flat_map(|(from, to)| {
+            mesh.points().iter().map(move |&node| {
+                let [u, v] = self.camera.project(from.apply(node));
+                let [x, y] = other.camera.project(to.apply(node));
+                (x - u).hypot(y - v)
+            })
+        });
+        displacements.fold(0.0, |largest, d| if d.is_nan() { f64::INFINITY } else { f64::max(largest, d) })
     }
 }
 
-/// What is unknown, and over which surface.
+/// Constants of a specimen calibration.
 pub(crate) struct Problem<'a> {
     pub(crate) mesh: &'a Mesh,
+    /// Unknown parameters of the camera.
     pub(crate) parameters: &'a [Parameter],
-    /// Unknown numbers of each motion.
+    /// Unknown components of each motion.
     pub(crate) components: &'static [usize],
-    /// Whether gain and offset of each image are unknown.
-    pub(crate) brightness: bool,
-    pub(crate) images: usize,
-    /// Grey level from which the others are counted.
-    pub(crate) pivot: f64,
-    /// By how many pixels the camera may be wrong: keeps a parameter that hardly shows from running away.
-    pub(crate) reach: f64,
+    /// Whether a gain and an offset of each moved image are unknown.
+    pub(crate) gain_and_offset: bool,
+    /// Number of images, including the reference image.
+    pub(crate) num_images: usize,
+    /// Grey level from which gains are counted.
+    pub(crate) grey_origin: f64,
+    /// Prior standard deviation of the projection error, in pixels; regularises weakly observable parameters.
+    pub(crate) prior_deviation: f64,
 }
 
 impl Problem<'_> {
@@ -51,8 +66,8 @@ impl Problem<'_> {
         Layout {
             parameters: self.parameters.len(),
             motion: self.components.len(),
-            brightness: if self.brightness { 2 } else { 0 },
-            images: self.images,
+            brightness: if self.gain_and_offset { 2 } else { 0 },
+            images: self.num_images,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The normal equations against differences of the cost that they are to lower.
+//! Comparison of the normal equations with finite differences of the cost.
 
 #![allow(clippy::unwrap_used)]
 
@@ -7,17 +7,17 @@ use fedic_image::{Image, Interpolation};
 use fedic_mesh::{CellType, Mesh, rectangle_mesh};
 use nalgebra::DVector;
 
+use crate::self_calibration::image_stack::{ImageStack, LevelImages};
 use crate::self_calibration::motion::{Motion, MotionKind};
+use crate::self_calibration::normal_equations::CalibrationEquations;
 use crate::self_calibration::problem::{Problem, State};
-use crate::self_calibration::sums::Sums;
-use crate::self_calibration::view::{Frames, View};
 use crate::{Gradient, ImageSampler};
 use fedic_synthetic::Speckle;
 
 const SIZE: [usize; 2] = [150, 120];
 const PARAMETERS: [Parameter; 6] =
     [Parameter::K1, Parameter::Cx, Parameter::Cy, Parameter::K2, Parameter::Rx, Parameter::Ry];
-/// In-plane motions: translation and rotation about the middle of the mesh.
+/// In-plane motions: translation and rotation about the centre of the mesh.
 const MOTIONS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [24.3, -11.8, 0.05], [-12.6, 20.4, -0.03]];
 
 fn camera() -> Pinhole {
@@ -26,18 +26,18 @@ fn camera() -> Pinhole {
     camera.with_distortion(BrownDistortion::new([-0.3, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap())
 }
 
-fn motion([x, y, turn]: [f64; 3]) -> Motion {
-    Motion::translation([0.0; 3], [x, y]).moved_by(&[5], &[turn])
+fn motion([x, y, angle]: [f64; 3]) -> Motion {
+    Motion::translation([0.0; 3], [x, y]).perturbed(&[5], &[angle])
 }
 
-/// What the camera sees of the specimen moved; grey levels change from image to image.
+/// Image of the moved specimen. Gain and offset vary from image to image.
 fn image(index: usize) -> Image {
     let speckle = Speckle::new(9.0, 0.5, 2).unwrap();
-    let [x, y, turn] = MOTIONS[index];
+    let [x, y, angle] = MOTIONS[index];
     let pixels = (0..SIZE[0] * SIZE[1]).map(|k| [(k % SIZE[0]) as f64, (k / SIZE[0]) as f64]);
     let greys = pixels.map(|pixel| {
         let [px, py, _] = unproject(&camera(), pixel, 0.0).unwrap();
-        let (dx, dy, (sin, cos)) = (px - x, py - y, turn.sin_cos());
+        let (dx, dy, (sin, cos)) = (px - x, py - y, angle.sin_cos());
         let [gain, offset] = brightness(index);
         let grey = 40.0 + 170.0 * speckle.value([cos * dx + sin * dy, cos * dy - sin * dx]);
         ((grey - offset - 100.0) / gain + 100.0) as f32
@@ -45,7 +45,7 @@ fn image(index: usize) -> Image {
     Image::new(SIZE[0], SIZE[1], greys.collect()).unwrap()
 }
 
-/// Gain and offset that bring an image back to the reference, about a grey level of 100.
+/// Gain, about a grey level of 100, and offset that map an image to the reference image.
 fn brightness(index: usize) -> [f64; 2] {
     [1.0 + 0.04 * index as f64, -3.0 * index as f64]
 }
@@ -59,10 +59,10 @@ fn problem(mesh: &Mesh) -> Problem<'_> {
         mesh,
         parameters: &PARAMETERS,
         components: MotionKind::InPlane.components(),
-        brightness: true,
-        images: MOTIONS.len(),
-        pivot: 100.0,
-        reach: 1.0,
+        gain_and_offset: true,
+        num_images: MOTIONS.len(),
+        grey_origin: 100.0,
+        prior_deviation: 1.0,
     }
 }
 
@@ -74,15 +74,16 @@ fn truth() -> State {
     }
 }
 
-fn view<'a>(problem: &'a Problem<'a>) -> View<'a> {
-    let sample =
+fn stack<'a>(problem: &'a Problem<'a>) -> ImageStack<'a> {
+    let sampler =
         |index| ImageSampler::new(image(index).view(), Interpolation::Bspline5, Gradient::Analytic, 0.0).unwrap();
-    let frames = Frames { samplers: (0..MOTIONS.len()).map(sample).collect(), size: SIZE, factor: 1.0, margin: 6.0 };
-    View::new(problem, frames, &camera(), 0.2).unwrap()
+    let samplers = (0..MOTIONS.len()).map(sampler).collect();
+    let images = LevelImages { samplers, size: SIZE, factor: 1.0, margin: 6.0 };
+    ImageStack::new(problem, images, &camera(), 0.2).unwrap()
 }
 
-/// Steps of the unknowns that move the images by a fiftieth of a pixel, or change the grey levels a little.
-fn steps(problem: &Problem<'_>, sums: &Sums) -> Vec<f64> {
+/// Steps of the unknowns that displace the image points by 0.02 pixels, or change the grey levels slightly.
+fn steps(problem: &Problem<'_>, equations: &CalibrationEquations) -> Vec<f64> {
     let layout = problem.layout();
     let mut steps = vec![f64::NAN; layout.len()];
     for image in 1..layout.images {
@@ -91,7 +92,7 @@ fn steps(problem: &Problem<'_>, sums: &Sums) -> Vec<f64> {
     for i in 0..steps.len() {
         if steps[i].is_nan() {
             let unit = DVector::from_fn(steps.len(), |k, _| if k == i { 1.0 } else { 0.0 });
-            steps[i] = 0.02 / sums.visible_motion(&unit);
+            steps[i] = 0.02 / equations.rms_displacement(&unit);
         }
     }
     steps
@@ -101,14 +102,14 @@ fn steps(problem: &Problem<'_>, sums: &Sums) -> Vec<f64> {
 fn the_normal_matrix_is_half_the_second_derivative_of_the_cost() {
     let (mesh, state) = (mesh(), truth());
     let problem = problem(&mesh);
-    let view = view(&problem);
-    let sums = view.sums(&state, &state, |pixels| pixels, &()).unwrap();
-    let freedom = sums.freedom();
+    let stack = stack(&problem);
+    let equations = stack.assemble(&state, &state, |pixels| pixels, &()).unwrap();
+    let degrees = equations.degrees_of_freedom();
     let cost = |step: &[f64]| {
-        let moved = state.moved_by(&problem, step).unwrap();
-        view.sums(&moved, &state, |pixels| pixels, &()).unwrap().variance() * freedom
+        let perturbed = state.perturbed(&problem, step).unwrap();
+        stack.assemble(&perturbed, &state, |pixels| pixels, &()).unwrap().residual_variance() * degrees
     };
-    let (steps, matrix) = (steps(&problem, &sums), sums.matrix());
+    let (steps, matrix) = (steps(&problem, &equations), equations.matrix());
     let n = steps.len();
     assert_eq!(matrix.nrows(), n);
     let along = |i: usize, a: f64, k: usize, b: f64| {
@@ -133,20 +134,20 @@ fn the_normal_matrix_is_half_the_second_derivative_of_the_cost() {
 }
 
 #[test]
-fn a_step_undoes_a_small_change_of_any_unknown() {
+fn a_step_reverts_a_small_change_of_any_unknown() {
     let (mesh, state) = (mesh(), truth());
     let problem = problem(&mesh);
-    let view = view(&problem);
-    let steps = steps(&problem, &view.sums(&state, &state, |pixels| pixels, &()).unwrap());
+    let stack = stack(&problem);
+    let steps = steps(&problem, &stack.assemble(&state, &state, |pixels| pixels, &()).unwrap());
     for i in 0..steps.len() {
         let mut change = vec![0.0; steps.len()];
         change[i] = steps[i];
-        let moved = state.moved_by(&problem, &change).unwrap();
-        let sums = view.sums(&moved, &state, |pixels| pixels, &()).unwrap();
-        let step = sums.step(0.0, &[f64::INFINITY; PARAMETERS.len()]).unwrap();
+        let perturbed = state.perturbed(&problem, &change).unwrap();
+        let equations = stack.assemble(&perturbed, &state, |pixels| pixels, &()).unwrap();
+        let step = equations.step(0.0, &[f64::INFINITY; PARAMETERS.len()]).unwrap();
         for (k, (found, size)) in step.iter().zip(&steps).enumerate() {
             let error = (found + change[k]) / size;
-            assert!(error.abs() < 0.05, "unknown {k} after a change of {i}: wrong by {error}");
+            assert!(error.abs() < 0.05, "unknown {k} after a change of {i}: error {error}");
         }
     }
 }
