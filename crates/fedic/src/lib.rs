@@ -54,8 +54,9 @@ mod solve;
 
 pub use components::{PLANE, SPACE};
 pub use correlator::{Correlator, Start};
+pub use error::Error;
 pub use error::self_calibration::SelfCalibrationError;
-pub use error::{Error, SolveError};
+pub use error::solve::SolveError;
 pub use fedic_camera::{
     BrownDistortion, Camera, CameraError, Distortion, FrontParallel, ImageFrame, InverseSplineDistortion, Parameter,
     Pinhole, Scaled, SplineDistortion, SplineField, rotation_from_vector, unproject, unproject_aperture,

@@ -1,4 +1,6 @@
-//! Everything that can go wrong in a correlation, each with where it went wrong.
+//! Errors of the correlation and of the specimen calibration; each says where it occurred.
+//!
+//! May import: options.
 
 use fedic_camera::CameraError;
 use fedic_image::ImageError;
@@ -6,11 +8,13 @@ use fedic_mesh::{MeshError, list_indices};
 use thiserror::Error;
 
 use crate::error::self_calibration::SelfCalibrationError;
+use crate::error::solve::SolveError;
 use crate::options::OptionError;
 
 pub(crate) mod self_calibration;
+pub(crate) mod solve;
 
-/// Why a correlation could not be prepared or solved.
+/// Error of a correlation or calibration.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -29,7 +33,7 @@ pub enum Error {
     /// The problem has no solution.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The images of a specimen do not give the camera.
+    /// The camera cannot be calibrated on the images of the specimen.
     #[error(transparent)]
     SelfCalibration(#[from] SelfCalibrationError),
     /// The mesh does not project into the reference image.
@@ -80,64 +84,4 @@ pub enum Error {
     /// The caller asked to stop.
     #[error("the correlation was cancelled")]
     Cancelled,
-}
-
-/// Why the system could not be solved.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum SolveError {
-    /// The starting displacement does not have one finite entry per used node.
-    #[error("the initial displacement must have one finite value per component and node ({expected} nodes): {found}")]
-    InvalidStart {
-        /// Number of nodes of the mesh.
-        expected: usize,
-        /// What was found instead.
-        found: String,
-    },
-    /// The grey levels do not determine the displacement of some nodes.
-    #[error(
-        "the images do not determine the displacement of {}: the poorest cell there holds {points} quadrature points for \
-         {unknowns} unknowns; use larger elements, a texture with more contrast there, or a regularization length",
-        list_indices("node", nodes)
-    )]
-    Singular {
-        /// Nodes whose displacement is not determined.
-        nodes: Vec<usize>,
-        /// Fewest quadrature points in a cell that touches them.
-        points: usize,
-        /// Unknowns of that cell.
-        unknowns: usize,
-    },
-    /// The images do not determine the parameters of a reduced basis.
-    #[error("the images do not determine the {parameters} parameters of the displacement field")]
-    UndeterminedParameters {
-        /// Number of parameters.
-        parameters: usize,
-    },
-    /// The factorisation does not fit in memory.
-    #[error("the factorisation of the system of {dofs} unknowns does not fit in memory")]
-    TooLarge {
-        /// Number of unknowns.
-        dofs: usize,
-    },
-    /// The quadrature points do not fit in memory.
-    #[error("{points} quadrature points do not fit in memory; lower the density")]
-    TooManyPoints {
-        /// Number of points asked for.
-        points: usize,
-    },
-    /// The corrections grow without bound.
-    #[error(
-        "the correlation diverged at iteration {iteration}: {} by {correction:.3e} pixels in one step; start closer to the \
-         solution, use larger elements or a regularization length",
-        if nodes.len() == 1 { format!("node {} moved", nodes[0]) } else { format!("{} moved", list_indices("node", nodes)) }
-    )]
-    Diverged {
-        /// Iteration at which it was seen.
-        iteration: usize,
-        /// Nodes that moved out of all proportion.
-        nodes: Vec<usize>,
-        /// Largest correction in pixels.
-        correction: f64,
-    },
 }
