@@ -19,14 +19,14 @@ use crate::self_calibration::specimen_images::SpecimenImages;
 /// ```
 ///
 /// where `g_0` is the reference image, `T_0` the identity, `a_0 = 1` and `b_0 = 0`. The texture `m(X)` that minimises
-/// the sum is the mean of the images that see `X`. With one moved image, the sum is half the squared difference `f -
-/// g`. With several moved images, the differences `f - g_j` would count the noise of the reference image once each.
+/// the sum is the mean of the images that see `X`. With one moved image, the sum is half the squared difference
+/// `f - g`. With several moved images, the differences `f - g_j` would count the noise of the reference image once each.
 /// Residuals relative to the mean weight all images equally, and the estimate is the maximum-likelihood estimate. A
 /// point outside an image is compared in the others.
 ///
 /// Gauss-Newton requires the derivative of `g_j(P_p(T_j X))` with respect to the unknowns. Let `G(X)` be the gradient
-/// of the texture along the specimen, averaged over the images, and `B_j = d P_p(T_j X) / dX`. The derivative is `q_j .
-/// dP`, where `q_j = B_j^-T G` is the texture gradient as it appears in image `j`, and `dP` the displacement of the
+/// of the texture along the specimen, averaged over the images, and `B_j = d P_p(T_j X) / dX`. The derivative is
+/// `q_j . dP`, where `q_j = B_j^-T G` is the texture gradient as it appears in image `j`, and `dP` the displacement of the
 /// image point: `dP_p/dp (T_j X)` for the parameters and `dP_p/dX dT_j` for the motion. A change that is the same in
 /// all images only moves the texture. Subtracting the mean over the images removes it exactly; it contains what no
 /// image determines: the position and the scale of the specimen.
