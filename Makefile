@@ -7,7 +7,7 @@ CELLS := $(wildcard crates/fedic-mesh/src/cells/*.rs)
 CARGO_TEST := --workspace --exclude fedic-py --exclude fedic-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test test-rust test-python check format doc bench clean
+.PHONY: help setup build demo test test-rust test-python check generate format doc bench clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -43,6 +43,10 @@ check: build ## Check format, lints, types, stubs and documentation; warnings ar
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest fedic._core
+	$(BIN)/python tools/generate.py --check
+
+generate: build ## Write the files made from the declarations of options: types, names, docs/options.md.
+	$(BIN)/python tools/generate.py
 
 format: setup ## Format the sources.
 	cargo fmt --all

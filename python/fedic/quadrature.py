@@ -1,9 +1,11 @@
 """Quadrature of the integral over the mesh."""
 
 from dataclasses import dataclass
+from numbers import Real
 from typing import TypeAlias, get_args
 
 from fedic import _core
+from fedic._internal.choices import check_choice
 from fedic._internal.option_choices import QuadratureRule
 from fedic.errors import OptionError
 
@@ -39,10 +41,9 @@ class MeshQuadrature:
     rule: QuadratureRule = "rotated"
 
     def __post_init__(self) -> None:
-        rules = get_args(QuadratureRule)
-        if self.rule not in rules:
-            names = ", ".join(f'"{rule}"' for rule in rules)
-            raise OptionError(f"rule must be one of {names}, got {self.rule!r}", "rule")
+        check_choice("rule", self.rule, get_args(QuadratureRule))
+        if isinstance(self.density, bool) or not isinstance(self.density, Real):
+            raise OptionError(f"density must be a positive number, got {self.density!r}", "density")
         _core.check_correlation_options(quadrature=(self.rule, self.density))
 
 

@@ -186,7 +186,7 @@ def test_summary_is_plain_json(result: fedic.Result, tmp_path: Path) -> None:
 
 
 def test_unknown_suffix_and_missing_folder_are_refused(result: fedic.Result, tmp_path: Path) -> None:
-    with pytest.raises(fedic.FedicError, match=r"'\.xls'; choose \.vtu, \.vtk, \.npz, \.json"):
+    with pytest.raises(fedic.OptionError, match=r"'\.xls'; choose \.vtu, \.vtk, \.npz, \.json"):
         result.write(tmp_path / "result.xls")
     with pytest.raises(fedic.FedicError, match="does not exist; make it first"):
         result.write(tmp_path / "no" / "result.vtu")
@@ -245,5 +245,5 @@ def test_render_applies_depth_noise_and_seed() -> None:
     assert np.std(noisy.astype(float) - clean) == pytest.approx(10.0, rel=0.05)
     again = fedic.synthetic.render(texture, camera, (100, 100), bits=12, noise=10.0, seed=4)
     np.testing.assert_array_equal(noisy, again)
-    with pytest.raises(fedic.ImageError, match="bits=10"):
+    with pytest.raises(fedic.OptionError, match="bits=10"):
         fedic.synthetic.render(texture, camera, (10, 10), bits=10)  # type: ignore[arg-type]

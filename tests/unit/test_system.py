@@ -114,5 +114,8 @@ def test_quadrature_weights_sum_to_the_area() -> None:
 def test_density_scales_the_number_of_points() -> None:
     reference = np.random.default_rng(0).integers(0, 255, (140, 160), dtype=np.uint8)
     mesh = fedic.rectangle_mesh((40, 40, 120, 100), 20)
-    counts = {d: _core.Correlator(reference, mesh, fedic.ImageFrame(), density=d).num_points for d in (0.25, 1.0, 4.0)}
+    counts = {
+        density: fedic.Correlator(reference, mesh, quadrature=fedic.MeshQuadrature(density)).num_points
+        for density in (0.25, 1.0, 4.0)
+    }
     assert counts == {0.25: 1200, 1.0: 4800, 4.0: 19200}

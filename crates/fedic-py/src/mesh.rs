@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyTuple};
 
 use crate::arrays::{self, indices, matrix, rows, to_array};
-use crate::errors::{IntoPyErr, argument_error, mesh_error};
+use crate::errors::{IntoPyErr, argument_error, mesh_error, option_error};
 use crate::mesh_set;
 use crate::worker::run;
 
@@ -394,12 +394,13 @@ fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, 
 ///
 /// Raises
 /// ------
-/// MeshError
+/// OptionError
 ///     If the bounds are empty or not finite, the size is not positive, or the cell type is unknown.
 #[pyfunction]
 #[pyo3(signature = (bounds, size, cell="quad"))]
 pub(crate) fn rectangle_mesh(bounds: [f64; 4], size: f64, cell: &str) -> PyResult<Mesh> {
-    let cell_type = CellType::from_str(cell).map_err(IntoPyErr::into_py_err)?;
-    let inner = fedic::rectangle_mesh(bounds, size, cell_type).map_err(IntoPyErr::into_py_err)?;
+    let cell_type = CellType::from_str(cell).map_err(|error| option_error(error.to_string(), "cell"))?;
+    let inner =
+        fedic::rectangle_mesh(bounds, size, cell_type).map_err(|error| option_error(error.to_string(), "bounds"))?;
     Ok(Mesh { inner, dimension: 2 })
 }

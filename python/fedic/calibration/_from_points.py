@@ -14,7 +14,7 @@ from fedic.calibration._advice import correlation_advice, coverage_advice, param
 from fedic.calibration._result import Calibration, View
 from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
 from fedic.calibration.observation import Observation
-from fedic.errors import CameraError
+from fedic.errors import CameraError, OptionError
 
 __all__ = ["build_result", "calibrate_points", "fit_or_explain"]
 
@@ -47,12 +47,16 @@ def calibrate_points(
 
     Raises
     ------
+    OptionError
+        If the arrays do not fit together, or an argument is malformed.
     CameraError
-        If the arrays do not fit together, or the views do not determine the camera.
+        If the views do not determine the camera.
     """
     lens = parse_lens(distortion)
     if len(points) != len(pixels):
-        raise CameraError(f"{len(points)} views have points and {len(pixels)} have pixels; give one of each per view.")
+        raise OptionError(
+            f"{len(points)} views have points and {len(pixels)} have pixels; give one of each per view.", "points"
+        )
     pairs = enumerate(zip(points, pixels, strict=True))
     seen = [_observation(index, *pair) for index, pair in pairs]
     names = [f"image {index}" for index in range(len(seen))]
@@ -65,12 +69,15 @@ def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observatio
     if where.ndim == 2 and where.shape[1] == 2:
         where = np.column_stack([where, np.zeros(len(where))])
     if where.ndim != 2 or where.shape[1] != 3 or at.shape != (len(where), 2) or len(where) < 4:
-        raise CameraError(
+        raise OptionError(
             f"image {index}: points of shape {where.shape} and pixels of shape {at.shape}; give (n, 2) or (n, 3) and "
-            "(n, 2), with n at least 4."
+            "(n, 2), with n at least 4.",
+            "points",
         )
     if not (np.isfinite(where).all() and np.isfinite(at).all()) or np.any(where[:, 2] != 0.0):
-        raise CameraError(f"image {index}: the points must be finite, with Z = 0 on the target, and the pixels finite.")
+        raise OptionError(
+            f"image {index}: the points must be finite, with Z = 0 on the target, and the pixels finite.", "points"
+        )
     return Observation(where, at)
 
 
@@ -150,7 +157,7 @@ def build_result(
 
     Raises
     ------
-    CameraError
+    OptionError
         If there is no view `wanted`.
     """
     places = {index: place for place, index in enumerate(found)}
@@ -214,8 +221,10 @@ def _chosen(views: tuple[View, ...], wanted: int | str | None) -> int:
     else:
         matches = [wanted] if 0 <= wanted < len(views) else []
     if not matches:
-        raise CameraError(f"view {wanted!r}: there is no such view; they are {', '.join(view.name for view in views)}.")
+        raise OptionError(
+            f"view {wanted!r}: there is no such view; they are {', '.join(view.name for view in views)}.", "view"
+        )
     view = views[matches[0]]
     if not view.found:
-        raise CameraError(f"view {wanted!r}: the target was not found in {view.name}: {view.reason}.")
+        raise OptionError(f"view {wanted!r}: the target was not found in {view.name}: {view.reason}.", "view")
     return matches[0]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fedic._core import Mesh, __version__
 from fedic._internal.types import Floats
-from fedic.errors import FedicError
+from fedic.errors import OptionError
 from fedic.io._vtu import write_vtu
 from fedic.io.atomic import atomic_path, write_json
 
@@ -40,8 +40,10 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
 
     Raises
     ------
+    OptionError
+        If the suffix is unknown.
     FedicError
-        If the suffix is another, or the file cannot be written.
+        If the file cannot be written.
     """
     suffix = path.suffix.lower()
     if suffix == ".json":
@@ -55,7 +57,9 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
     elif suffix == ".vtk":
         _write_vtk(path, mesh, arrays)
     else:
-        raise FedicError(f"{path}: a result cannot be written as {path.suffix!r}; choose .vtu, .vtk, .npz, .json.")
+        raise OptionError(
+            f"{path}: a result cannot be written as {path.suffix!r}; choose .vtu, .vtk, .npz, .json.", "path"
+        )
     return path
 
 

@@ -1,6 +1,6 @@
 """Meshes, displacement fields and residuals drawn over images."""
 
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias, get_args
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fedic._core import CELL_TYPES, ImageFrame, Mesh
+from fedic._internal.choices import check_choice
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
 
@@ -70,7 +71,14 @@ def plot_displacement(
     -------
     Figure
         The figure; `fedic.plotting.save_figure` writes it.
+
+    Raises
+    ------
+    OptionError
+        If `component` or `on` is unknown.
     """
+    check_choice("component", component, get_args(Component))
+    check_choice("on", on, ("deformed", "reference"))
     pixels = field.camera.project(field.mesh.points)
     if on == "deformed":
         pixels = pixels + field.pixel_displacement
