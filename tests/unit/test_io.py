@@ -388,17 +388,30 @@ def test_unstructured_mesh_restores_the_state_of_gmsh(gmsh: Any, capfd: pytest.C
 @pytest.mark.parametrize(
     ("outline", "holes", "message"),
     [
-        (SQUARE[:2], [], "outline has no area"),
         ([(0, 0), (100, 80), (100, 0), (0, 70)], [], "cross or touch"),
         (SQUARE, [HOLE + np.array([40.0, 0.0])], "cross or touch"),
         (SQUARE, [HOLE + 500.0], "inside the outline"),
-        (SQUARE, [[(1, 2, 3)]], r"holes\[0\] has shape"),
     ],
 )
 @pytest.mark.usefixtures("gmsh")
 def test_unstructured_mesh_refuses_bad_polygons(outline: list, holes: list, message: str) -> None:
     with pytest.raises(fedic.MeshError, match=message):
         fedic.unstructured_mesh(outline, 10.0, "triangle", holes)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"outline": SQUARE[:2]}, "outline has no area"),
+        ({"holes": [[(1, 2, 3)]]}, r"holes\[0\] has shape"),
+        ({"outline": "square"}, "outline is not an array"),
+        ({"cell": "hexahedron"}, "cell must be one of"),
+        ({"size": 0.0}, "size is 0.0; give a positive length"),
+    ],
+)
+def test_unstructured_mesh_refuses_malformed_arguments(arguments: dict, message: str) -> None:
+    with pytest.raises(fedic.OptionError, match=message):
+        fedic.unstructured_mesh(**{"outline": SQUARE, "size": 10.0, **arguments})
 
 
 def test_unstructured_mesh_without_gmsh_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -247,7 +247,7 @@ def test_a_spline_with_too_few_points_is_refused(wavy: tuple) -> None:
     few = slice(None, None, 40)
     with pytest.raises(fedic.CameraError, match=r"needs at least 200, .* the views have 150\. Take more views"):
         calibrate_points([each[few] for each in points], [each[few] for each in pixels], (WIDTH, HEIGHT), "spline")
-    with pytest.raises(fedic.CameraError, match="a spline has any shape; leave out the other models"):
+    with pytest.raises(fedic.OptionError, match="a spline has any shape; leave out the other models"):
         calibrate_points(points, pixels, (WIDTH, HEIGHT), "radial1+spline")
 
 

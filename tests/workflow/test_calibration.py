@@ -194,7 +194,7 @@ def test_the_pose_can_come_from_any_view() -> None:
     assert calibration.view == 5
     offsets = calibration.camera.project(BOARD.points) - pixels[5]
     np.testing.assert_allclose(offsets, -calibration.views[5].residuals, atol=1e-9)
-    with pytest.raises(fedic.CameraError, match=r"view 'x.tif': there is no such view; they are image 0"):
+    with pytest.raises(fedic.OptionError, match=r"view 'x.tif': there is no such view; they are image 0"):
         calibrate_points([BOARD.points] * 12, pixels, SIZE, view="x.tif")
 
 
@@ -221,12 +221,22 @@ def parallel_views() -> list[NDArray[np.float64]]:
             [np.random.default_rng(view).uniform(0, 480, (88, 2)) for view in range(6)],
             "did not converge in 500 iterations: .* points found are not those of one flat target",
         ),
-        ([each[:, :1] for each in views()], r"image 0: points of shape \(88, 3\) and pixels of shape \(88, 1\)"),
-        ([np.full((88, 2), np.nan)] * 3, "image 0: the points must be finite"),
     ],
 )
 def test_insufficient_views_are_refused(pixels: list[NDArray[np.float64]], message: str) -> None:
     with pytest.raises(fedic.CameraError, match=message):
+        from_board(pixels)
+
+
+@pytest.mark.parametrize(
+    ("pixels", "message"),
+    [
+        ([each[:, :1] for each in views()], r"image 0: points of shape \(88, 3\) and pixels of shape \(88, 1\)"),
+        ([np.full((88, 2), np.nan)] * 3, "image 0: the points must be finite"),
+    ],
+)
+def test_malformed_points_are_refused(pixels: list[NDArray[np.float64]], message: str) -> None:
+    with pytest.raises(fedic.OptionError, match=message):
         from_board(pixels)
 
 
@@ -305,13 +315,13 @@ def test_unusable_images_are_reported_with_the_reason(folder: Path) -> None:
     ],
 )
 def test_misspelt_targets_are_refused(text: str, message: str) -> None:
-    with pytest.raises(fedic.CameraError, match=message):
+    with pytest.raises(fedic.OptionError, match=message):
         parse_target(text)
 
 
 @pytest.mark.parametrize("distortion", ["radial4", "radial1+", ["radial1", "tilt"], [], "fisheye"])
 def test_misspelt_distortions_are_refused(distortion: str | list[str]) -> None:
-    with pytest.raises(fedic.CameraError, match="is unknown; give one of none, radial1"):
+    with pytest.raises(fedic.OptionError, match="is unknown; give one of none, radial1"):
         calibrate_points([BOARD.points], [BOARD.points[:, :2]], SIZE, distortion)
 
 

@@ -10,10 +10,14 @@ import fedic
 from scenes.placed_plate import BARE, BLANK, BOUNDARY, FRONT, MESH, PINHOLE, POINTS, plate
 
 BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
-    ({}, fedic.CameraError, r"give points, features or a target; .*\n  left: straight, \(0, 25\) to \(0, 0\)"),
-    ({"features": ["hole"]}, fedic.MeshError, r"no boundary part 'hole'; it has\n  left: .*\n(.*\n)*  hole 0: circle"),
-    ({"features": "hole 0"}, fedic.MeshError, "give a list of names"),
-    ({"features": ["top", "top"]}, fedic.MeshError, "'top' is given twice"),
+    ({}, fedic.OptionError, r"give points, features or a target; .*\n  left: straight, \(0, 25\) to \(0, 0\)"),
+    (
+        {"features": ["hole"]},
+        fedic.OptionError,
+        r"no boundary part 'hole'; it has\n  left: .*\n(.*\n)*  hole 0: circle",
+    ),
+    ({"features": "hole 0"}, fedic.OptionError, "give a list of names"),
+    ({"features": ["top", "top"]}, fedic.OptionError, "'top' is given twice"),
     ({"features": ["bottom", "top"]}, fedic.SolveError, "do not determine .*u0.* Add point pairs or features"),
     ({"features": ["hole 0"]}, fedic.SolveError, "do not determine u0, v0 and angle"),
     (

@@ -98,7 +98,7 @@ def test_pixels_of_the_reduced_image_keep_their_position() -> None:
 @pytest.mark.parametrize("reach", [1e4, 1e6])
 def test_too_wide_searches_are_refused(large: NDArray[np.uint8], reach: float) -> None:
     with pytest.raises(
-        fedic.SolveError, match=r"search=.*: too wide for features .* Give a search up to \d+"
+        fedic.OptionError, match=r"search=.*: too wide for features .* Give a search up to \d+"
     ) as caught:
         fedic.register(MESH, large, LARGE, features=FEATURES, search=reach)
     largest = float(str(caught.value).split("up to ")[1].split(" px")[0])

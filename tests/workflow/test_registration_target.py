@@ -61,30 +61,30 @@ class TestTarget:
         ("options", "error", "message"),
         [
             ({"target": "chessboard:9x6:2"}, fedic.ImageError, r"target chessboard:9x6:2 is not found in the image: "),
-            ({"target": "chess:9x6:2"}, fedic.CameraError, "'chess' is unknown"),
+            ({"target": "chess:9x6:2"}, fedic.OptionError, "'chess' is unknown"),
             (
                 {"target_origin": None},
-                fedic.CameraError,
+                fedic.OptionError,
                 r"the plane of the specimen only; give target_origin=\(x, y\)",
             ),
-            ({"target_origin": (np.nan, 0)}, fedic.CameraError, "target_origin=nan: give .* both finite"),
-            ({"target_origin": 3.0}, fedic.CameraError, r"target_origin=3.0: give \(x, y\)"),
-            ({"target_origin": (1.0, 2.0, 3.0)}, fedic.CameraError, "target_origin=.* in the frame of the mesh"),
-            ({"target_origin": ("1", 2.0)}, fedic.CameraError, "target_origin='1': give .* both finite"),
-            ({"target_angle": "a"}, fedic.CameraError, "target_angle='a': give a finite angle in radians"),
-            ({"target_thickness": None}, fedic.CameraError, "target_thickness=None: give a finite height"),
-            ({"target": 7}, fedic.CameraError, "target is a int"),
+            ({"target_origin": (np.nan, 0)}, fedic.OptionError, "target_origin=nan: give .* both finite"),
+            ({"target_origin": 3.0}, fedic.OptionError, r"target_origin=3.0: give \(x, y\)"),
+            ({"target_origin": (1.0, 2.0, 3.0)}, fedic.OptionError, "target_origin=.* in the frame of the mesh"),
+            ({"target_origin": ("1", 2.0)}, fedic.OptionError, "target_origin='1': give .* both finite"),
+            ({"target_angle": "a"}, fedic.OptionError, "target_angle='a': give a finite angle in radians"),
+            ({"target_thickness": None}, fedic.OptionError, "target_thickness=None: give a finite height"),
+            ({"target": 7}, fedic.OptionError, "target is a int"),
             (
                 {"target_origin": None, "target_angle": 0.1, "features": ["hole 0"]},
-                fedic.CameraError,
+                fedic.OptionError,
                 "target_angle is given without target_origin.* add target_origin",
             ),
-            ({"target_thickness": np.inf}, fedic.CameraError, "target_thickness=inf: give a finite height"),
-            ({"camera": FRONT}, fedic.CameraError, "needs a calibrated Pinhole, not a FrontParallel"),
+            ({"target_thickness": np.inf}, fedic.OptionError, "target_thickness=inf: give a finite height"),
+            ({"camera": FRONT}, fedic.OptionError, "needs a calibrated Pinhole, not a FrontParallel"),
             ({"camera": BARE}, fedic.CameraError, "read in two directions, and the given pose.* give a rough pose"),
             (
                 {"target_origin": None, "features": ["hole 0", "right"], "free": ["tx", "ty"]},
-                fedic.CameraError,
+                fedic.OptionError,
                 "determines all of rx ry rz tx ty tz",
             ),
         ],
@@ -112,7 +112,7 @@ class TestTarget:
     ) -> None:
         monkeypatch.setattr("fedic.registration._target.find_target", lambda *_: pytest.fail("the search was begun"))
         given: dict[str, Any] = {"target": BOARD, "target_origin": (8.0, 8.0), **options}
-        with pytest.raises(fedic.CameraError):
+        with pytest.raises(fedic.OptionError):
             fedic.register(MESH, BLANK, PINHOLE, **given)
 
     def test_a_wrong_focal_length_is_refused(self, image: NDArray[np.uint8]) -> None:

@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fedic._internal.types import Floats
-from fedic.errors import CameraError
+from fedic.errors import OptionError
 
 __all__ = ["Target", "parse_target"]
 
@@ -86,12 +86,14 @@ def parse_target(text: str) -> Target:
 
     Raises
     ------
-    CameraError
+    OptionError
         If the specification has another form, or impossible sizes.
     """
     kind, *fields = text.strip().split(":")
     if kind not in _FORMS:
-        raise CameraError(f"target {text!r}: {kind!r} is unknown; give one of\n  " + "\n  ".join(_FORMS.values()))
+        raise OptionError(
+            f"target {text!r}: {kind!r} is unknown; give one of\n  " + "\n  ".join(_FORMS.values()), "target"
+        )
     expected = 4 if kind == "charuco" else 2
     counts = re.fullmatch(r"(\d+)[xX](\d+)", fields[0]) if len(fields) == expected else None
     try:
@@ -99,17 +101,17 @@ def parse_target(text: str) -> Target:
     except ValueError:
         counts = None
     if counts is None:
-        raise CameraError(f"target {text!r}: should be written {_FORMS[kind]}.")
+        raise OptionError(f"target {text!r}: should be written {_FORMS[kind]}.", "target")
     columns, rows = (int(count) for count in counts.groups())
     if min(columns, rows) < _SMALLEST + (kind == "charuco"):
-        raise CameraError(f"target {text!r}: {columns} x {rows} is too small; count as in {_FORMS[kind]}.")
+        raise OptionError(f"target {text!r}: {columns} x {rows} is too small; count as in {_FORMS[kind]}.", "target")
     if not all(0.0 < length < np.inf for length in lengths):
-        raise CameraError(f"target {text!r}: the lengths must be positive; write {_FORMS[kind]}.")
+        raise OptionError(f"target {text!r}: the lengths must be positive; write {_FORMS[kind]}.", "target")
     if kind != "charuco":
         return Target(kind, columns, rows, lengths[0])
     if lengths[1] >= lengths[0]:
-        raise CameraError(
-            f"target {text!r}: a marker ({lengths[1]:g}) must be smaller than its square ({lengths[0]:g})."
+        raise OptionError(
+            f"target {text!r}: a marker ({lengths[1]:g}) must be smaller than its square ({lengths[0]:g}).", "target"
         )
     return Target(kind, columns, rows, lengths[0], lengths[1], _known_dictionary(text, fields[3]))
 
@@ -119,5 +121,7 @@ def _known_dictionary(text: str, name: str) -> str:
 
     known = [each for each in dir(cv2.aruco) if each.startswith("DICT_")]
     if name not in known:
-        raise CameraError(f"target {text!r}: {name!r} is not a dictionary of markers; OpenCV has {', '.join(known)}.")
+        raise OptionError(
+            f"target {text!r}: {name!r} is not a dictionary of markers; OpenCV has {', '.join(known)}.", "target"
+        )
     return name

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic._core import CELL_TYPES, CellType, Mesh
+from fedic._internal.choices import check_choice
 from fedic._internal.types import CellName, Floats
-from fedic.errors import MeshError
+from fedic.errors import MeshError, OptionError
 
 __all__ = ["unstructured_mesh"]
 
@@ -48,15 +49,15 @@ def unstructured_mesh(
 
     Raises
     ------
+    OptionError
+        If an argument has the wrong type, shape or range.
     MeshError
-        If Gmsh is not installed, an argument is out of its range, or the polygons cross.
+        If Gmsh is not installed, or the polygons cross.
     """
-    names = [name for name, each in CELL_TYPES.items() if each.gmsh_order is not None]
-    if cell not in names:
-        raise MeshError(f"unstructured_mesh: cell is {cell!r}; choose one of {', '.join(names)}.")
+    check_choice("cell", cell, [name for name, each in CELL_TYPES.items() if each.gmsh_order is not None])
     cell_type = CELL_TYPES[cell]
     if not (np.isfinite(size) and size > 0.0):
-        raise MeshError(f"unstructured_mesh: size is {size!r}; give a positive length in the mesh's unit.")
+        raise OptionError(f"unstructured_mesh: size is {size!r}; give a positive length in the mesh's unit.", "size")
     border = _polygon(outline, "outline")
     inner = [_polygon(hole, f"holes[{index}]") for index, hole in enumerate(holes)]
     _check_apart([border, *inner])
@@ -102,13 +103,19 @@ def _polygon(corners: ArrayLike, name: str) -> Floats:
     try:
         polygon = np.asarray(corners, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise MeshError(f"unstructured_mesh: {name} is not an array of numbers of shape (n, 2) ({error}).") from error
+        raise OptionError(
+            f"unstructured_mesh: {name} is not an array of numbers of shape (n, 2) ({error}).", name
+        ) from error
     if polygon.ndim != 2 or polygon.shape[1] != 2 or not np.isfinite(polygon).all():
-        raise MeshError(f"unstructured_mesh: {name} has shape {polygon.shape}; give finite corners of shape (n, 2).")
+        raise OptionError(
+            f"unstructured_mesh: {name} has shape {polygon.shape}; give finite corners of shape (n, 2).", name
+        )
     if len(polygon) > 1 and (polygon[0] == polygon[-1]).all():
         polygon = polygon[:-1]
     if len(polygon) < 3 or _area(polygon) == 0.0:
-        raise MeshError(f"unstructured_mesh: {name} has no area; give at least three corners that are not collinear.")
+        raise OptionError(
+            f"unstructured_mesh: {name} has no area; give at least three corners that are not collinear.", name
+        )
     return polygon
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from fedic.errors import FedicError
+from fedic.errors import OptionError
 from fedic.io.atomic import atomic_path
 
 __all__ = ["check_picture_path", "save_figure"]
@@ -20,11 +20,11 @@ def check_picture_path(path: Path) -> None:
 
     Raises
     ------
-    FedicError
+    OptionError
         If the suffix is not ``.png``.
     """
     if path.suffix.lower() != ".png":
-        raise FedicError(f"{path}: pictures are written as .png only; change the suffix.")
+        raise OptionError(f"{path}: pictures are written as .png only; change the suffix.", "path")
 
 
 def save_figure(figure: Figure, path: Path) -> None:
@@ -39,8 +39,10 @@ def save_figure(figure: Figure, path: Path) -> None:
 
     Raises
     ------
+    OptionError
+        If the suffix is not ``.png``.
     FedicError
-        If the suffix is not ``.png``, or the file cannot be written.
+        If the file cannot be written.
     """
     check_picture_path(path)
     with atomic_path(path) as temporary:

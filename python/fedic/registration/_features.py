@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fedic._core import Mesh
 from fedic._internal.types import Floats
-from fedic.errors import MeshError
+from fedic.errors import OptionError
 from fedic.registration._boundary import boundary_loops
 from fedic.registration._pieces import Circle, Piece, cut_loop
 
@@ -103,25 +103,30 @@ def chosen_features(mesh: Mesh, wanted: Sequence[str | BoundaryFeature]) -> list
 
     Raises
     ------
-    MeshError
+    OptionError
         If a name is unknown or given twice; the message lists the names.
     """
     if isinstance(wanted, str) or not all(isinstance(each, (str, BoundaryFeature)) for each in wanted):
-        raise MeshError(f"features={wanted!r}: give a list of names or of features of fedic.boundary_features(mesh).")
+        raise OptionError(
+            f"features={wanted!r}: give a list of names or of features of fedic.boundary_features(mesh).", "features"
+        )
     known = {feature.name: feature for feature in boundary_features(mesh)}
     chosen = []
     for each in wanted:
         if isinstance(each, str) and each not in known:
-            raise MeshError(f"features: the mesh has no boundary part {each!r}; it has{listed_features(mesh)}")
+            raise OptionError(
+                f"features: the mesh has no boundary part {each!r}; it has{listed_features(mesh)}", "features"
+            )
         feature = known[each] if isinstance(each, str) else each
         if feature.nodes.max() >= mesh.num_nodes:
-            raise MeshError(
-                f"features: {feature.name!r} has nodes that are not in this mesh; it is a feature of another mesh."
+            raise OptionError(
+                f"features: {feature.name!r} has nodes that are not in this mesh; it is a feature of another mesh.",
+                "features",
             )
         chosen.append(feature)
     twice = [name for name, count in Counter(feature.name for feature in chosen).items() if count > 1]
     if twice:
-        raise MeshError(f"features: {twice[0]!r} is given twice.")
+        raise OptionError(f"features: {twice[0]!r} is given twice.", "features")
     return chosen
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.calibration.target import Target
-from fedic.errors import CameraError, ImageError
+from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
 from fedic.registration._covariance import check_determined, check_known, covariance_of
 from fedic.registration._features import BoundaryFeature, chosen_features, listed_features
@@ -96,20 +96,20 @@ def register(
 
     Raises
     ------
+    OptionError
+        If the camera has no pose, a feature is unknown, or another argument is malformed or out of its range.
     CameraError
-        If the camera has no pose, does not see the mesh in the image, or an argument is malformed.
-    MeshError
-        If a feature is unknown.
+        If the camera does not see the mesh in the image.
     ImageError
         If a feature or the target is not found in the image, or the image is not finite.
     SolveError
-        If the data do not determine the free parameters, or the search is too wide.
+        If the data do not determine the free parameters.
     """
     grey = _finite(as_image(image, "given"))
     if pixel_noise is not None and finite_number("pixel_noise", pixel_noise, _NOISE) <= 0.0:
-        raise CameraError(f"pixel_noise={pixel_noise}: give {_NOISE}.")
+        raise OptionError(f"pixel_noise={pixel_noise}: give {_NOISE}.", "pixel_noise")
     if finite_number("search", search, _SEARCH) < 0.0:
-        raise CameraError(f"search={search}: give {_SEARCH}.")
+        raise OptionError(f"search={search}: give {_SEARCH}.", "search")
     lying = lying_target(target, target_origin, target_angle, target_thickness)
     start = placeable(camera)
     names = free_parameters(start, free)
@@ -121,14 +121,15 @@ def register(
         pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]
     if not pairs and not wanted and lying is None:
         listed = listed_features(mesh)
-        raise CameraError(f"register: give points, features or a target; the features are{listed}")
+        raise OptionError(f"register: give points, features or a target; the features are{listed}", "features")
 
     estimate, problem = Estimate(start), Problem(grey, names)
     if lying is not None:
         if lying.place is None and not pairs and not wanted:
-            raise CameraError(
+            raise OptionError(
                 "target: it determines the plane of the specimen only; give target_origin=(x, y), features or points "
-                "to determine the position in that plane."
+                "to determine the position in that plane.",
+                "target_origin",
             )
         found = target_pairs(grey, start, lying)
         if lying.place is None:
@@ -160,9 +161,10 @@ def _inside(image: Image, pairs: Pairs) -> Pairs:
     if outside.any():
         number = int(outside.argmax())
         u, v = pairs.pixels[number]
-        raise CameraError(
+        raise OptionError(
             f"points: pixel number {number} at ({u:g}, {v:g}) is outside the image of {width} x {height} px; give "
-            "(u, v), the column first."
+            "(u, v), the column first.",
+            "points",
         )
     return pairs
 

@@ -3,7 +3,7 @@
 import math
 from numbers import Real
 
-from fedic.errors import CameraError
+from fedic.errors import OptionError
 
 __all__ = ["finite_number"]
 
@@ -22,9 +22,9 @@ def finite_number(name: str, value: object, wanted: str) -> float:
 
     Raises
     ------
-    CameraError
+    OptionError
         If the value is not a number, or not finite.
     """
     if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise CameraError(f"{name}={value!r}: give {wanted}.")
+        raise OptionError(f"{name}={value!r}: give {wanted}.", name)
     return float(value)

@@ -8,7 +8,7 @@ import numpy as np
 from fedic._core import Pinhole
 from fedic._internal.types import Floats, StrPath
 from fedic.cameras.poses import flat_poses, with_pose
-from fedic.errors import CameraError
+from fedic.errors import CameraError, OptionError
 from fedic.registration._pose import Placeable, pose_jacobian
 from fedic.registration._space import in_space
 
@@ -72,19 +72,21 @@ def checked_pairs(points: object) -> Pairs:
 
     Raises
     ------
-    CameraError
+    OptionError
         If they are not a pair of arrays (m, 2) or (m, 3) and (m, 2) of finite numbers.
     """
     expected = "give points=(points (m, 2) or (m, 3), pixels (m, 2))"
     try:
         where, at = (np.asarray(each, dtype=np.float64) for each in points)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
-        raise CameraError(f"points: not a pair of arrays of numbers; {expected}.") from None
+        raise OptionError(f"points: not a pair of arrays of numbers; {expected}.", "points") from None
     if where.ndim != 2 or where.shape[1] not in (2, 3) or at.shape != (len(where), 2) or not len(where):
-        raise CameraError(f"points: points of shape {where.shape} and pixels of shape {at.shape}; {expected}.")
+        raise OptionError(
+            f"points: points of shape {where.shape} and pixels of shape {at.shape}; {expected}.", "points"
+        )
     bad = np.flatnonzero(~(np.isfinite(where).all(axis=1) & np.isfinite(at).all(axis=1)))
     if len(bad):
-        raise CameraError(f"points: pair number {bad[0]} is not finite.")
+        raise OptionError(f"points: pair number {bad[0]} is not finite.", "points")
     return Pairs(in_space(where), at)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from fedic._core import FrontParallel, Pinhole
 from fedic._internal.types import Floats
 from fedic.cameras.poses import with_pose
-from fedic.errors import CameraError
+from fedic.errors import OptionError
 
 __all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "similarity_parameters"]
 
@@ -29,14 +29,15 @@ def placeable(camera: object) -> Placeable:
 
     Raises
     ------
-    CameraError
+    OptionError
         If it has none.
     """
     if isinstance(camera, (FrontParallel, Pinhole)):
         return camera
-    raise CameraError(
+    raise OptionError(
         f"camera: a {type(camera).__name__} has no pose to estimate; give a FrontParallel or a Pinhole with a rough "
-        "pose."
+        "pose.",
+        "camera",
     )
 
 
@@ -52,7 +53,7 @@ def free_parameters(camera: Placeable, free: Sequence[str] | None) -> tuple[str,
 
     Raises
     ------
-    CameraError
+    OptionError
         If a name is unknown.
     """
     known = _FRONT_PARALLEL if isinstance(camera, FrontParallel) else _PINHOLE
@@ -62,8 +63,8 @@ def free_parameters(camera: Placeable, free: Sequence[str] | None) -> tuple[str,
     unknown = [name for name in wanted if name not in known]
     if unknown or not wanted:
         given = repr(unknown[0]) if unknown else "nothing"
-        raise CameraError(
-            f"free: {given} is not a parameter of a {type(camera).__name__}; give any of {', '.join(known)}."
+        raise OptionError(
+            f"free: {given} is not a parameter of a {type(camera).__name__}; give any of {', '.join(known)}.", "free"
         )
     return tuple(name for name in known if name in wanted)
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._internal.types import Floats, Image
-from fedic.errors import SolveError
+from fedic.errors import OptionError
 from fedic.registration._edges import Strip
 from fedic.registration._pose import Placeable, move, pose_jacobian, similarity_parameters
 from fedic.registration._sampling import image_normals
@@ -96,7 +96,7 @@ def nearby(
 
     Raises
     ------
-    SolveError
+    OptionError
         If the search is so wide that the smoothing it needs would blur the features away.
     """
     names = similarity_parameters(names)
@@ -143,7 +143,7 @@ def _first_smoothing(outline: _Outline, names: tuple[str, ...], search: float) -
 
     Raises
     ------
-    SolveError
+    OptionError
         If it would blur the features away.
     """
 
@@ -157,10 +157,11 @@ def _first_smoothing(outline: _Outline, names: tuple[str, ...], search: float) -
             largest = search
             while largest > 1.0 and not fits(smoothing, largest):
                 largest *= 0.9
-            raise SolveError(
+            raise OptionError(
                 f"search={search:g}: too wide for features that extend {outline.radius:.0f} px from their centre with "
                 f"{outline.clearance:.0f} px around them; a grid fine enough has too many points. Give a search up to "
-                f"{largest:.2g} px and a better start, point pairs, or hold parameters with free=(...)."
+                f"{largest:.2g} px and a better start, point pairs, or hold parameters with free=(...).",
+                "search",
             )
         smoothing *= 2.0
     return smoothing

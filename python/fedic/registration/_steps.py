@@ -8,7 +8,7 @@ import numpy as np
 from fedic._core import Mesh, Pinhole
 from fedic._internal.types import Floats, Image
 from fedic.cameras.poses import with_pose
-from fedic.errors import CameraError, ImageError, SolveError
+from fedic.errors import CameraError, ImageError, OptionError, SolveError
 from fedic.registration._covariance import check_determined
 from fedic.registration._edges import Strip, across_jacobian, prepare_strip
 from fedic.registration._features import BoundaryFeature
@@ -104,11 +104,13 @@ def on_plane_of_target(mesh: Mesh, estimate: Estimate, problem: Problem, pairs: 
 
     Raises
     ------
-    CameraError
+    OptionError
         If a parameter of the pose is held.
     """
     if len(problem.names) < _POSE:
-        raise CameraError("free: a target of unknown placement on the mesh needs all of rx ry rz tx ty tz to be free.")
+        raise OptionError(
+            "free: a target of unknown placement on the mesh needs all of rx ry rz tx ty tz to be free.", "free"
+        )
     alone = replace(problem, pairs=(replace(pairs, placed=True),))
     on_target, start = from_pairs(estimate, alone).camera, estimate.camera
     assert isinstance(on_target, Pinhole)

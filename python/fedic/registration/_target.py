@@ -12,7 +12,7 @@ from fedic.calibration.detection import NotFoundError, find_target, refine_point
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
 from fedic.cameras.poses import with_pose
-from fedic.errors import CameraError, ImageError
+from fedic.errors import CameraError, ImageError, OptionError
 from fedic.registration._numbers import finite_number
 from fedic.registration._pairs import Pairs, Place, pinhole_from_pairs
 from fedic.registration._pose import Placeable
@@ -49,7 +49,7 @@ def lying_target(target: object, origin: object, angle: object, thickness: objec
 
     Raises
     ------
-    CameraError
+    OptionError
         If an argument is malformed, or needs a target or an origin that is not given.
     """
     height = finite_number("target_thickness", thickness, "a finite height of the target above the mesh")
@@ -57,21 +57,22 @@ def lying_target(target: object, origin: object, angle: object, thickness: objec
         given = {"target_origin": origin is not None, "target_angle": angle is not None, "target_thickness": height}
         said = [name for name, is_given in given.items() if is_given]
         if said:
-            raise CameraError(f"{said[0]} is given without a target; add target=....")
+            raise OptionError(f"{said[0]} is given without a target; add target=....", said[0])
         return None
     if not isinstance(target, (str, Target)):
-        raise CameraError(f"target is a {type(target).__name__}; give a text such as 'chessboard:11x7:8'.")
+        raise OptionError(f"target is a {type(target).__name__}; give a text such as 'chessboard:11x7:8'.", "target")
     plan = parse_target(target) if isinstance(target, str) else target
     if origin is None:
         if angle is not None:
-            raise CameraError(
+            raise OptionError(
                 "target_angle is given without target_origin, about which it turns; add target_origin=(x, y), or "
-                "leave the angle out."
+                "leave the angle out.",
+                "target_angle",
             )
         return LyingTarget(plan, None, height)
     numbers = list(origin) if isinstance(origin, Iterable) else []
     if len(numbers) != 2:
-        raise CameraError(f"target_origin={origin!r}: give (x, y) in the frame of the mesh.")
+        raise OptionError(f"target_origin={origin!r}: give (x, y) in the frame of the mesh.", "target_origin")
     x, y = (finite_number("target_origin", each, "(x, y), both finite, in the frame of the mesh") for each in numbers)
     turn = 0.0 if angle is None else finite_number("target_angle", angle, "a finite angle in radians")
     return LyingTarget(plan, Place(x, y, turn), height)
@@ -96,13 +97,13 @@ def target_pairs(image: Image, camera: Placeable, lying: LyingTarget) -> Pairs:
 
     Raises
     ------
-    CameraError
+    OptionError
         If the camera is not a pinhole.
     ImageError
         If the target is not in the image, or the pattern found fits no pose.
     """
     if not isinstance(camera, Pinhole):
-        raise CameraError(f"target: needs a calibrated Pinhole, not a {type(camera).__name__}.")
+        raise OptionError(f"target: needs a calibrated Pinhole, not a {type(camera).__name__}.", "target")
     plan, height = lying.plan, np.array([0.0, 0.0, lying.thickness])
     faults = []
     for smoothing in _SMOOTHINGS:

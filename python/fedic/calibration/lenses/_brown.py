@@ -9,7 +9,7 @@ import numpy as np
 
 from fedic._core import BrownDistortion, Pinhole
 from fedic._internal.types import Distortion, Floats
-from fedic.errors import CameraError
+from fedic.errors import OptionError
 
 __all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]
 
@@ -180,7 +180,7 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
 
     Raises
     ------
-    CameraError
+    OptionError
         If a name is unknown, or a spline is combined with another model.
     """
     words = distortion.split("+") if isinstance(distortion, str) else list(distortion)
@@ -189,11 +189,14 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
     if unknown or not words:
         given = unknown[0] if unknown else ""
         known = ", ".join((*_WORDS, *SPLINES))
-        raise CameraError(
-            f"distortion: {given!r} is unknown; give one of {known}, or several without splines joined by '+'."
+        raise OptionError(
+            f"distortion: {given!r} is unknown; give one of {known}, or several without splines joined by '+'.",
+            "distortion",
         )
     if len(words) > 1 and any(word in SPLINES for word in words):
-        raise CameraError(f"distortion: {'+'.join(words)!r}: a spline has any shape; leave out the other models.")
+        raise OptionError(
+            f"distortion: {'+'.join(words)!r}: a spline has any shape; leave out the other models.", "distortion"
+        )
     if words[0] in SPLINES:
         return words[0]
     free = {name for word in words for name in _WORDS[word]}

@@ -9,7 +9,7 @@ from fedic.cameras.files._matchid import read_matchid
 from fedic.cameras.files._opencv import read_opencv, write_opencv
 from fedic.cameras.files._toml import read_toml, write_toml
 from fedic.cameras.files._vic3d import read_vic3d
-from fedic.errors import CameraError, FedicError
+from fedic.errors import CameraError, FedicError, OptionError
 
 __all__ = ["check_writable", "read_camera", "write_camera"]
 
@@ -81,7 +81,9 @@ def write_camera(
     Raises
     ------
     CameraError
-        If the file exists and `overwrite` is false, the suffix is another, or the format cannot hold the camera.
+        If the file exists and `overwrite` is false, or the format cannot hold the camera.
+    OptionError
+        If the suffix is unknown.
     FedicError
         If the file cannot be written.
     """
@@ -107,12 +109,16 @@ def check_writable(path: Path, *, overwrite: bool) -> None:
     Raises
     ------
     CameraError
-        If the file exists and `overwrite` is false, or its suffix is not a format that can be written.
+        If the file exists and `overwrite` is false.
+    OptionError
+        If its suffix is not a format that can be written.
     FedicError
         If its folder does not exist.
     """
     if path.suffix.lower() not in (".toml", *_OPENCV):
-        raise CameraError(f"{path}: a camera cannot be written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.")
+        raise OptionError(
+            f"{path}: a camera cannot be written as {path.suffix!r}; give .toml, {', '.join(_OPENCV)}.", "path"
+        )
     if not path.parent.is_dir():
         raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.")
     if path.exists() and not overwrite:
