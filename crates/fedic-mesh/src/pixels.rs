@@ -1,10 +1,10 @@
-//! The classical region of interest: the pixels whose centre falls in a cell (paper, Sect. 2.2).
+//! The pixels whose centre lies in a cell: the classical region of interest (paper, Sect. 2.2).
 
 /// Appends the integer points `[u, v]` inside a polygon with straight edges, row by row.
 ///
 /// A point on an edge that two polygons share belongs to exactly one of them: edges are half-open, and a shared edge is
-/// intersected with the rows by the same arithmetic whichever way it is walked. Polygons that tile a region therefore
-/// share out its pixels, each to one.
+/// intersected with the rows by the same arithmetic in both directions. Polygons that tile a region therefore partition its
+/// pixels.
 ///
 /// # Examples
 ///
@@ -30,7 +30,7 @@ pub fn pixels_in_polygon(polygon: &[[f64; 2]], pixels: &mut Vec<[i32; 2]>) {
     }
 }
 
-/// Where the edge crosses row `v`, its upper end left out.
+/// Column at which an edge crosses row `v`; the edge excludes its upper end.
 fn crossing(a: [f64; 2], b: [f64; 2], v: f64) -> Option<f64> {
     let (bottom, top) = if (a[1], a[0]) <= (b[1], b[0]) { (a, b) } else { (b, a) };
     if v < bottom[1] || v >= top[1] {

@@ -1,4 +1,4 @@
-//! The promise of the diameter rule: no pixel without a quadrature point.
+//! The diameter rule leaves no pixel inside the mesh without a quadrature point.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -61,7 +61,7 @@ proptest! {
     /// The worst that triangles can do: their longest edge a whole number of pixels, all of one shape. The largest square
     /// without a point then grows up to one pixel (upright triangles nearly equilateral), never beyond.
     #[test]
-    fn triangles_of_a_whole_number_of_pixels_leave_no_pixel_out(
+    fn triangles_with_edges_of_whole_pixels_leave_no_pixel_without_a_point(
         x in 0.0..1.0_f64,
         height in 0.02..1.0,
         angle in 0.0..std::f64::consts::TAU,
@@ -88,9 +88,9 @@ proptest! {
         prop_assert_eq!(pixels_missed(&mesh, &outline), Vec::<[i32; 2]>::new());
     }
 
-    /// More than the promise, for quads: no place in one is further than half a pixel from the centre of its own part.
+    /// Stronger, for quads: no point of one is further than half a pixel from the centre of its own sub-quad.
     #[test]
-    fn every_part_of_a_quad_lies_within_half_a_pixel_of_its_centre(seed: u64, size in 1.5..30.0) {
+    fn every_subquad_lies_within_half_a_pixel_of_its_centre(seed: u64, size in 1.5..30.0) {
         let mut random = Random::new(seed);
         let nodes = random.corners(CellType::Quad, size);
         let Subdivision::Quad { nx, ny } = Subdivision::of_cell(CellType::Quad, &nodes, Rule::Diameter, 1.0) else {

@@ -1,4 +1,4 @@
-//! The pixels of a polygon: cells that tile a region share out its pixels, each to one.
+//! Pixels of a polygon: cells that tile a region partition its pixels.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -72,14 +72,14 @@ fn check_partition(mesh: &Mesh, outline: &[[f64; 2]]) -> Result<(), TestCaseErro
 
 proptest! {
     #[test]
-    fn cells_of_any_mesh_share_out_its_pixels(seed: u64, size in 1.0..12.0) {
+    fn cells_of_any_mesh_partition_its_pixels(seed: u64, size in 1.0..12.0) {
         let (mesh, outline) = jittered_mesh(&mut Random::new(seed), [6, 5], &CellType::ALL, size, 0.24);
         check_partition(&mesh, &outline)?;
     }
 
     /// Vertices, and long stretches of edges, exactly on pixel centres and halfway between them.
     #[test]
-    fn cells_with_whole_and_half_coordinates_share_out_their_pixels(seed: u64, pitch in 3_u32..7, x0 in -9..9, shear in -1..=1) {
+    fn cells_with_whole_and_half_coordinates_partition_their_pixels(seed: u64, pitch in 3_u32..7, x0 in -9..9, shear in -1..=1) {
         let mut random = Random::new(seed);
         let [columns, rows] = [5, 4];
         let pitch = f64::from(pitch);
