@@ -7,7 +7,7 @@ CELLS := $(wildcard crates/fedic-mesh/src/cells/*.rs)
 CARGO_TEST := --workspace --exclude fedic-py --exclude fedic-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test test-rust test-python check generate format doc bench clean
+.PHONY: help setup build demo test test-rust test-python check generate format doc bench findings clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -60,6 +60,9 @@ doc: ## Build the documentation of the Rust crates.
 bench: build ## Time the kernels, and whole measurements of 1 to 150 megapixels; PEER_PYTHON=... adds the peers.
 	cargo bench --package fedic-benches
 	$(BIN)/python benches/python/compare.py $(if $(PEER_PYTHON),--peer-python $(PEER_PYTHON))
+
+findings: ## Check the findings about other packages; needs network access and some minutes.
+	@for script in findings/*.sh; do echo "$$script"; "$$script" || exit 1; done
 
 clean: ## Remove everything built.
 	rm -rf target $(VENV) fedic-demo
