@@ -1,4 +1,4 @@
-//! Reading an image between its pixels, per point, in the order of a scan with jitter.
+//! Interpolation at the points of a raster scan with jitter, per point.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -9,9 +9,9 @@ use fedic_benches::{Picture, SENSOR, criterion, jitter};
 /// Columns and rows of the scan.
 const SCAN: [usize; 2] = [1000, 100];
 const ORIGIN: f64 = 500.0;
-/// A pixel near the points.
+/// The pixel from which relative coordinates count.
 const PIXEL: [isize; 2] = [1000, 550];
-/// Points read at once, as many as a cell has.
+/// Points evaluated at once, as many as a cell has.
 const CELL: usize = 400;
 
 fn interpolation(c: &mut Criterion) {

@@ -1,4 +1,4 @@
-//! Preparing an image of 5 megapixels for interpolation, and smoothing it, per pixel.
+//! Preparation of an image of 5 megapixels for interpolation, and Gaussian smoothing, per pixel.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 

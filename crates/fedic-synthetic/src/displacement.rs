@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::error::SyntheticError;
 use crate::plane::Plane;
 
-/// Most fixed-point iterations.
+/// Largest number of fixed-point iterations.
 const MAX_ITERATIONS: usize = 60;
 
 /// Accepted change of a point in the last iteration, relative to the extent of the points.

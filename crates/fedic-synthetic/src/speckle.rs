@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use crate::error::SyntheticError;
 use crate::random::{INCREMENT, mix};
 
-/// Spots of paint on a regular grid of squares, one per square, each of random place, radius and darkness.
+/// Dark spots on a white ground: one per square of a regular grid, of random position, radius and darkness.
 ///
-/// A spot of radius `R` darkens the ground by `a (1 - d^2 / R^2)^3` at the distance `d` of its centre: twice continuously
-/// differentiable and zero from `R` on, so that a point meets the spots of the squares around it only: nine up to a coverage
-/// of 0.33, 25 above. Light passes one spot after the other: the grey level is the product of `1 - darkness` over the spots.
+/// A spot of radius `R` darkens the ground by `a (1 - d^2 / R^2)^3` at the distance `d` from its centre, which is twice
+/// continuously differentiable and zero beyond `R`: the grey level at a point depends on the spots of the nearest squares
+/// only, nine up to a coverage of 0.33 and 25 above. The grey level is the product of `1 - darkness` over the spots.
 ///
 /// # Examples
 ///
@@ -26,13 +26,13 @@ pub struct Speckle {
     coverage: f64,
     seed: u64,
     pitch: f64,
-    /// Squares to either side of a point's own whose spots may cover it.
+    /// Squares on either side of the one that holds a point, whose spots may cover the point.
     reach: i64,
 }
 
-/// Radius of the support of a spot over that at which it looks half as dark: `1 / sqrt(1 - 2^(-1/3))`.
+/// Ratio of the radius of a spot to the radius at half its darkness: `1 / sqrt(1 - 2^(-1/3))`.
 const SUPPORT: f64 = 2.201_626_6;
-/// Spots differ in radius by this fraction to either side.
+/// Largest relative deviation of the radii from their mean.
 const SPREAD: f64 = 0.25;
 /// Points that share a table of spots.
 const CHUNK: usize = 4096;
@@ -43,7 +43,7 @@ impl Speckle {
     ///
     /// # Errors
     ///
-    /// [`SyntheticError::InvalidOption`] where the size is not positive or the coverage not between 0.1 and 0.7.
+    /// [`SyntheticError::InvalidOption`] if the size is not positive or the coverage not between 0.1 and 0.7.
     pub fn new(size: f64, coverage: f64, seed: u64) -> Result<Self, SyntheticError> {
         let refuse = |option, expected, value: f64| {
             Err(SyntheticError::InvalidOption { option, expected, value: value.to_string() })
@@ -71,12 +71,12 @@ impl Speckle {
         self.coverage
     }
 
-    /// Seed of the random places.
+    /// Seed of the random positions.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// Grey level at a point of the plane: 0 black, 1 the ground's white.
+    /// Grey level at a point of the plane, from 0 (black) to 1 (the white ground).
     pub fn value(&self, point: [f64; 2]) -> f64 {
         let [column, row] = self.square(point);
         let around = |centre: i64| centre.saturating_sub(self.reach)..=centre.saturating_add(self.reach);
@@ -89,8 +89,8 @@ impl Speckle {
         light
     }
 
-    /// [`value`](Self::value) at many points, in parallel: the same bits, and many times faster where points that follow
-    /// each other are close together.
+    /// [`value`](Self::value) at many points, in parallel and with the same bits; many times faster if consecutive points are
+    /// close to each other.
     pub fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
         let mut values = vec![0.0; points.len()];
         values.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each(|(values, points)| {
@@ -132,7 +132,7 @@ struct Spot {
 }
 
 impl Spot {
-    /// What the spot lets through at a point; exactly 1 outside it.
+    /// Transmitted fraction of the light at a point; exactly 1 outside the spot.
     #[inline]
     fn light(&self, [x, y]: [f64; 2]) -> f64 {
         let [dx, dy] = [x - self.centre[0], y - self.centre[1]];
@@ -151,7 +151,7 @@ struct SpotTable<'a> {
 }
 
 impl<'a> SpotTable<'a> {
-    /// The spots that the points may meet; `None` where they are scattered over more squares than they would visit.
+    /// The spots that may cover the points; `None` if the table would have more spots than the points visit one by one.
     fn around(speckle: &'a Speckle, points: &[[f64; 2]]) -> Option<Self> {
         let mut first = [i64::MAX; 2];
         let mut last = [i64::MIN; 2];
@@ -172,7 +172,7 @@ impl<'a> SpotTable<'a> {
         Some(Self { speckle, first, columns, spots: (first[1]..=last[1]).flat_map(row).collect() })
     }
 
-    /// [`Speckle::value`] at one of the points the table was made for.
+    /// [`Speckle::value`] at one of the points of the table.
     fn value(&self, point: [f64; 2]) -> f64 {
         let square = self.speckle.square(point);
         let [column, row] = [0, 1].map(|d| (square[d] - self.speckle.reach - self.first[d]) as usize);
@@ -204,14 +204,14 @@ mod tests {
         assert!(speckle.values(points).into_iter().map(f64::to_bits).eq(one_by_one));
     }
 
-    /// Points of a raster that is turned, so that rows of squares change within a chunk.
+    /// A rotated grid of points, so that rows of squares change within a chunk.
     fn raster(step: f64, origin: [f64; 2]) -> Vec<[f64; 2]> {
         let at = |k: u32| [f64::from(k % 150) * step, f64::from(k / 150) * step];
         (0..150 * 90).map(at).map(|[x, y]| [origin[0] + 0.8 * x - 0.6 * y, origin[1] + 0.6 * x + 0.8 * y]).collect()
     }
 
     #[test]
-    fn many_points_have_the_bits_of_each() {
+    fn values_have_the_same_bits_as_value() {
         for coverage in [0.1, 0.33, 0.5, 0.7] {
             let speckle = Speckle::new(3.0, coverage, 11).unwrap();
             for step in [0.1, 1.0] {
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn scattered_points_are_taken_one_by_one() {
+    fn scattered_points_are_evaluated_without_a_table() {
         let speckle = Speckle::new(3.0, 0.5, 11).unwrap();
         let far = raster(1e4, [0.0; 2]);
         assert!(SpotTable::around(&speckle, &far).is_none());
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_meets_no_spot_beyond_its_neighbourhood() {
+    fn no_spot_beyond_the_neighbourhood_covers_a_point() {
         for (coverage, squares) in [(0.1, 9), (0.33, 9), (0.34, 25), (0.5, 25), (0.7, 25)] {
             let speckle = Speckle::new(3.0, coverage, 5).unwrap();
             assert_eq!(speckle.side() * speckle.side(), squares, "coverage {coverage}");
