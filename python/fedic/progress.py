@@ -14,7 +14,7 @@ class Progress:
     Attributes
     ----------
     stage : str
-        What is being done, such as ``"prepare"``, ``"solve"`` or ``"render"``.
+        Name of the stage, such as ``"prepare"``, ``"solve"`` or ``"render"``.
     fraction : float or None
         Completed part of the stage, from 0 to 1, where it is known in advance.
     level : int

@@ -54,9 +54,9 @@ class Result:
     displacement : ndarray of float, shape (n, 2)
         Nodal displacements in the mesh's unit; NaN at nodes of no cell.
     pixel_displacement : ndarray of float, shape (n, 2)
-        The same seen in the image, ``(u, v)`` in pixels.
+        Nodal displacements in the image, ``(u, v)`` in pixels.
     converged : bool
-        Whether the last correction was below the tolerance.
+        True if the last correction was below the tolerance.
     iterations : int
         Number of iterations on the images at full resolution; those on reduced images are in `history` alone.
     history : list of Iteration

@@ -68,7 +68,7 @@ def render(
     seed : int
         Seed of the noise.
     progress : callable, optional
-        Called with the fraction done.
+        Called with a `fedic.Progress` of the stage ``"render"``.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def add_noise(
         Variance per grey level, in grey levels: the inverse of the electrons per grey level. A sensor that saturates at
         10000 electrons and 255 grey levels has 0.0255. Grey levels below zero have none.
     seed : int
-        The same seed gives the same noise.
+        Seed of the noise.
     bits : {8, 12, 16}, optional
         Round to the nearest grey level and clip to the full scale of this depth; neither unless given.
 

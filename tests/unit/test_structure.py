@@ -9,9 +9,9 @@ from structure.graphs import cycles, long_files
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGE = REPOSITORY / "python" / "fedic"
-FINISHED = ("fedic-camera", "fedic-memory", "fedic-py", "fedic-synthetic")
-"""The crates without cycles; the others follow."""
-CRATES = [REPOSITORY / "crates" / name for name in FINISHED]
+PENDING = ("fedic-mesh",)
+"""Crates that still have cycles."""
+CRATES = [path for path in sorted((REPOSITORY / "crates").iterdir()) if path.is_dir() and path.name not in PENDING]
 
 
 def names(paths: list[Path]) -> list[str]:
@@ -44,7 +44,7 @@ def test_private_modules_are_imported_by_their_own_package_only() -> None:
 
 
 def test_no_source_file_is_longer_than_500_lines() -> None:
-    folders = [REPOSITORY / name for name in ("python", "tests", "examples")]
+    folders = [REPOSITORY / name for name in ("python", "tests", "crates", "benches", "examples")]
     files = [path for folder in folders for end in ("py", "pyi", "rs") for path in folder.rglob(f"*.{end}")]
     assert {str(path.relative_to(REPOSITORY)): count for path, count in long_files(files).items()} == {}
 

@@ -1,8 +1,8 @@
 """Nonlinear least squares: Levenberg-Marquardt with geodesic acceleration (Transtrum and Sethna, 2012).
 
-Of `scipy.optimize.least_squares` three things are missing here: unknowns that are not vectors (rotations), the block
-structure of a bundle adjustment, whose normal matrix has hundreds of unknowns that are eliminated view by view, and
-the acceleration, without which the narrow curved valleys of poorly determined parameters take hundreds of iterations.
+`scipy.optimize.least_squares` lacks three things that are needed: unknowns that are not vectors (rotations), the block
+structure of a bundle adjustment, whose poses are eliminated view by view, and the acceleration, without which the
+narrow curved valleys of poorly determined parameters take hundreds of iterations.
 """
 
 from dataclasses import dataclass

@@ -47,7 +47,7 @@ class CameraResult(ABC):
         path : str or path
             Ends in ``.toml``, ``.yml``, ``.yaml`` or ``.xml``.
         overwrite : bool
-            Whether an existing file may be replaced.
+            If true, an existing file is replaced.
 
         Returns
         -------

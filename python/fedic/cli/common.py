@@ -59,7 +59,7 @@ def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bo
     images : iterable of Path
         Image files that are read.
     overwrite : bool
-        Whether an existing picture may be replaced.
+        If true, an existing picture is replaced.
 
     Raises
     ------

@@ -207,11 +207,11 @@ def rms(values: Floats) -> float:
     Parameters
     ----------
     values : ndarray
-        Of any shape.
+        Values, of any shape.
 
     Returns
     -------
     float
-        In their unit.
+        Root mean square, in the unit of the values.
     """
     return float(np.sqrt(np.mean(values**2)))

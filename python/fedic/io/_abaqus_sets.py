@@ -27,7 +27,7 @@ class SetBlock:
     instance : str
         Instance whose labels are meant, in a set of the assembly.
     generate : bool
-        Whether the items are triples: first, last, increment.
+        True if the items are triples: first, last, increment.
     of_elements : str
         Element set whose nodes make the node set.
     block : int or None

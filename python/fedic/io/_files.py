@@ -59,7 +59,7 @@ def file_of(image: object) -> Path | None:
 
 
 def sample_checksum(image: Image) -> int:
-    """Return a checksum of a few thousand pixels spread over an image: it tells one recording from another.
+    """Return a checksum of a few thousand pixels of an image, which distinguishes recordings.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def sample_checksum(image: Image) -> int:
     Returns
     -------
     int
-        The same for the same grey levels.
+        Checksum of the grey levels.
     """
     pixels = image.reshape(-1)
     step = max(1, pixels.size // _SAMPLES)
