@@ -13,7 +13,7 @@ from fedic._core import CORRELATION_OPTIONS, ImageFrame, Mesh
 from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import CalibrationWarning, OptionError
-from fedic.io._files import file_of
+from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
-from fedic.io._files import remember_file
+from fedic.io.image_origins import remember_file
 
 __all__ = ["as_image", "copy_if_writable", "read_image", "release_pages", "validate_deformed"]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from fedic._internal.types import Image
 from fedic.errors import FedicError, ImageError
-from fedic.io._files import sample_checksum
+from fedic.io.image_origins import sample_checksum
 from fedic.io.images import as_image, read_image
 
 __all__ = ["KeptImage"]
