@@ -19,7 +19,7 @@ def public_objects() -> dict[str, Any]:
         module = getattr(fedic, name) if name else fedic
         for each in module.__all__:
             item = getattr(module, each)
-            if isinstance(item, ModuleType | str):
+            if isinstance(item, ModuleType) or not callable(item):
                 continue
             key = ".".join(filter(None, ["fedic", name, each]))
             found[key] = item

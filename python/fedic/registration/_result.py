@@ -22,10 +22,17 @@ __all__ = ["FeatureDistances", "Registration", "check_format"]
 def check_format(start: object, path: Path) -> None:
     """Check, before any long work, that the format of a file can hold the lens and the skew of a camera.
 
+    Parameters
+    ----------
+    start : object
+        The camera to be written.
+    path : Path
+        The file; its suffix is its format.
+
     Raises
     ------
     CameraError
-        If it cannot.
+        If the format cannot hold the camera.
     """
     if path.suffix.lower() != ".toml":
         matrices_of_camera(path, start)
