@@ -107,7 +107,8 @@ fn each_function_is_one_at_its_node_and_zero_at_the_others() {
         for (node, &at) in cell.reference_nodes().iter().enumerate() {
             let values = shape_values(cell, at);
             for (function, value) in values.into_iter().enumerate() {
-                assert_eq!(value, f64::from(u8::from(function == node)), "{cell}: function {function} at node {node}");
+                let expected = f64::from(u8::from(function == node));
+                assert!((value - expected).abs() < ROUNDING, "{cell}: function {function} at node {node}: {value}");
             }
         }
     }
@@ -117,10 +118,10 @@ proptest! {
     #[test]
     fn functions_sum_to_one_and_their_gradients_to_zero(cell in any_cell(), at in any_point()) {
         let sum: f64 = shape_values(cell, at).iter().sum();
-        prop_assert!((sum - 1.0).abs() < ROUNDING, "{sum}");
+        prop_assert!((sum - 1.0).abs() < 10.0 * ROUNDING, "{sum}");
         for d in 0..2 {
             let sum: f64 = shape_gradients(cell, at).iter().map(|g| g[d]).sum();
-            prop_assert!(sum.abs() < ROUNDING, "{sum}");
+            prop_assert!(sum.abs() < 10.0 * ROUNDING, "{sum}");
         }
     }
 
