@@ -1,9 +1,10 @@
-//! What can be wrong with a camera.
+//! Errors of cameras and lenses.
 
 use thiserror::Error;
 
-/// Camera parameters that describe no camera, or a point that a camera cannot take back.
+/// An invalid camera parameter, or a request that a camera or lens cannot fulfil.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CameraError {
     /// A parameter is NaN or infinite.
     #[error("the camera's {parameter} is not finite")]
@@ -11,7 +12,7 @@ pub enum CameraError {
         /// Name of the parameter.
         parameter: &'static str,
     },
-    /// A length that must not be zero or negative.
+    /// A length is zero or negative.
     #[error("the camera's {parameter} must be positive, got {value}")]
     NotPositive {
         /// Name of the parameter.
@@ -19,9 +20,9 @@ pub enum CameraError {
         /// The value given.
         value: f64,
     },
-    /// The matrix given is not a rotation.
+    /// A matrix is not a rotation.
     #[error(
-        "the camera's rotation matrix is no rotation: R R^T differs from the identity by {deviation:.1e} or its \
+        "the camera's rotation matrix is not a rotation: R R^T differs from the identity by {deviation:.1e} or its \
          determinant is not +1; give an orthonormal, right-handed matrix or a rotation vector"
     )]
     NotARotation {
@@ -34,14 +35,31 @@ pub enum CameraError {
         /// The angle given.
         value: f64,
     },
-    /// No parameter of a pinhole camera has this name.
-    #[error(
-        "\"{name}\" is no parameter of a pinhole camera: choose among fx, fy, cx, cy (pixels), k1, k2, k3, d1, d2, p1, p2 \
-         (lens), rx, ry, rz, tx, ty, tz (pose)"
-    )]
+    /// No camera has a parameter of this name.
+    #[error("no camera has a parameter \"{name}\": choose among {}", known.join(", "))]
     UnknownParameter {
         /// The name given.
         name: String,
+        /// Names of all parameters.
+        known: Vec<&'static str>,
+    },
+    /// This camera does not have the parameter.
+    #[error("the camera has no parameter \"{name}\": its parameters are {}", known.join(", "))]
+    NotAParameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Names of the camera's parameters.
+        known: Vec<&'static str>,
+    },
+    /// The number of coefficients does not match the lens model.
+    #[error("a lens of the model \"{model}\" has {expected} coefficients, got {got}")]
+    CoefficientCount {
+        /// Name of the lens model.
+        model: &'static str,
+        /// Number of coefficients of the model.
+        expected: usize,
+        /// Number of coefficients given.
+        got: usize,
     },
     /// A rectangle without area.
     #[error("the domain of a spline is (x0, y0, x1, y1) with x0 < x1 and y0 < y1, got {domain:?}")]
@@ -49,40 +67,41 @@ pub enum CameraError {
         /// The rectangle given.
         domain: [f64; 4],
     },
-    /// Coefficients that do not make a spline.
+    /// The number of coefficients does not match the intervals of a spline.
     #[error(
-        "a spline of {intervals:?} intervals along x and y has 3 coefficients more along each, and at least one interval; \
-         got {got} coefficients in all"
+        "a spline has 3 coefficients more than intervals along each axis, and at least one interval; got {got} \
+         coefficients for {intervals:?} intervals along x and y"
     )]
     SplineShape {
         /// Intervals along each axis.
         intervals: [usize; 2],
-        /// How many coefficients were given.
+        /// Number of coefficients given.
         got: usize,
     },
-    /// A lens that does not reach all of the domain wanted.
+    /// A lens that is not limited to a domain.
     #[error(
-        "the lens does not reach all of {domain:?}: its model folds, or has no inverse there; take a smaller domain"
+        "a lens of the model \"{model}\" is not limited to a domain: give a domain (x0, y0, x1, y1) in normalised image \
+         coordinates, such as the borders of the image less the principal point, over the focal length"
     )]
+    NoDomain {
+        /// Name of the lens model.
+        model: &'static str,
+    },
+    /// A lens cannot be evaluated on all of a domain.
+    #[error("the lens does not reach all of {domain:?}: its model folds or has no inverse there; use a smaller domain")]
     LensOutOfReach {
-        /// The rectangle wanted.
+        /// The rectangle, in normalised image coordinates.
         domain: [f64; 4],
     },
-    /// A lens that no spline follows.
+    /// No spline approximates a lens to the tolerance.
     #[error(
-        "no spline follows the lens to {tolerance:.1e} on the retinal plane, the finest is {error:.1e} off: allow more, or \
-         take a smaller domain"
+        "no spline approximates the lens to {tolerance:.1e} in normalised image coordinates, the error of the finest is \
+         {error:.1e}: use a larger tolerance or a smaller domain"
     )]
-    TooRough {
-        /// The difference allowed.
+    ToleranceNotReached {
+        /// The largest error allowed.
         tolerance: f64,
-        /// The difference left.
+        /// The error of the finest spline.
         error: f64,
-    },
-    /// A parameter that the lens does not have.
-    #[error("\"{name}\" is a coefficient of Brown's lens, and the camera has another: a spline")]
-    NotOfThisLens {
-        /// Name of the parameter.
-        name: &'static str,
     },
 }

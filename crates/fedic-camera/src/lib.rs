@@ -1,24 +1,25 @@
-//! Cameras: the projectors `P` that carry a point of the physical space into the image.
+//! Cameras: projections from physical space to an image, with analytic Jacobians.
 //!
-//! World points are `[X, Y, Z]` in the mesh's unit; image points are `[u, v]` in pixels, `u` to the right, `v`
-//! downwards, the centre of the top-left pixel at the origin. Every camera gives its analytic 2x3 Jacobian.
+//! World points are `[X, Y, Z]` in the unit of the mesh. Image points are `[u, v]` in pixels, `u` to the right and `v`
+//! downwards, with the origin at the centre of the top-left pixel.
+//!
+//! * [`Camera`]: the trait of all cameras; `models/` holds the implementations.
+//! * [`lens`]: lens distortion; one file per lens model and one list of them.
+//! * [`Parametric`]: derivatives with respect to the parameters of a camera.
+//! * [`unproject`]: from a pixel back to a plane of the world.
 
+mod batch;
 mod camera;
-mod distortion;
 mod error;
-mod front_parallel;
-mod image_frame;
+pub mod lens;
+mod models;
+mod newton;
 mod parameters;
-mod pinhole;
-mod scaled;
-mod unproject;
+mod unprojection;
 
 pub use camera::Camera;
-pub use distortion::{BrownDistortion, Distortion, InverseSplineDistortion, SplineDistortion, SplineField};
 pub use error::CameraError;
-pub use front_parallel::FrontParallel;
-pub use image_frame::ImageFrame;
-pub use parameters::Parameter;
-pub use pinhole::{Pinhole, rotation_from_vector};
-pub use scaled::Scaled;
-pub use unproject::{unproject, unproject_aperture, unproject_with_jacobian};
+pub use lens::{BrownDistortion, Distortion, InverseSplineDistortion, Lens, SplineDistortion, SplineField};
+pub use models::{FrontParallel, ImageFrame, Pinhole, Scaled, rotation_from_vector};
+pub use parameters::{Parameter, Parametric};
+pub use unprojection::{unproject, unproject_aperture, unproject_with_jacobian};

@@ -1,4 +1,4 @@
-//! Parameters that describe no camera, and the words they are refused in.
+//! Invalid parameters and their error messages.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
@@ -37,9 +37,9 @@ fn parameters_that_are_not_finite_are_refused() {
         let upright = FrontParallel::new(1.0, [0.0; 2]).unwrap();
         refused(upright.with_angle(bad), not_finite("angle"), "the camera's angle is not finite");
         let lenses = [
-            (BrownDistortion::new([0.0, 0.0, bad], [0.0; 2], [0.0; 2]), "radial distortion"),
-            (BrownDistortion::new([0.0; 3], [bad, 0.0], [0.0; 2]), "decentering"),
-            (BrownDistortion::new([0.0; 3], [0.0; 2], [0.0, bad]), "prism"),
+            (BrownDistortion::new([0.0, 0.0, bad], [0.0; 2], [0.0; 2]), "k3"),
+            (BrownDistortion::new([0.0; 3], [bad, 0.0], [0.0; 2]), "d1"),
+            (BrownDistortion::new([0.0; 3], [0.0; 2], [0.0, bad]), "p2"),
         ];
         for (lens, parameter) in lenses {
             refused(lens, not_finite(parameter), &format!("the camera's {parameter} is not finite"));
@@ -66,7 +66,7 @@ fn lengths_must_be_positive() {
 }
 
 #[test]
-fn the_pixel_axes_must_cross() {
+fn the_skew_angle_must_be_between_0_and_pi() {
     for value in [0.0, -0.1, PI, 4.0, f64::NAN, f64::INFINITY] {
         let error = pinhole().unwrap().with_skew_angle(value).unwrap_err();
         assert!(matches!(error, CameraError::SkewAngle { .. }), "{error:?}");
@@ -81,7 +81,7 @@ fn the_pixel_axes_must_cross() {
 }
 
 #[test]
-fn a_matrix_that_is_no_rotation_is_refused() {
+fn a_matrix_that_is_not_a_rotation_is_refused() {
     let stretched = [[1.0, 0.0, 0.0], [0.0, 1.01, 0.0], [0.0, 0.0, 1.0]];
     let mirrored = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
     for (matrix, expected, shown) in [(stretched, 1.01_f64.powi(2) - 1.0, "2.0e-2"), (mirrored, 2.0, "2.0e0")] {
@@ -93,7 +93,7 @@ fn a_matrix_that_is_no_rotation_is_refused() {
         assert_eq!(
             error.to_string(),
             format!(
-                "the camera's rotation matrix is no rotation: R R^T differs from the identity by {shown} or its \
+                "the camera's rotation matrix is not a rotation: R R^T differs from the identity by {shown} or its \
                  determinant is not +1; give an orthonormal, right-handed matrix or a rotation vector"
             )
         );

@@ -1,10 +1,10 @@
-//! What cameras see: against the formulas of the paper written with matrices, and where they see nothing.
+//! Projections against the formulas of the paper written with matrices.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
 
-use common::{any_lens, any_point, any_pose_pinhole};
+use common::{any_brown, any_point, any_undistorted_pinhole};
 use fedic_camera::{BrownDistortion, Camera, FrontParallel, ImageFrame, Pinhole, rotation_from_vector};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
 
 proptest! {
     #[test]
-    fn a_pinhole_is_the_product_of_its_parts(camera in any_pose_pinhole(), lens in any_lens(), point in any_point()) {
+    fn a_pinhole_is_the_product_of_its_matrices(camera in any_undistorted_pinhole(), lens in any_brown(), point in any_point()) {
         let ([fx, fy], [cx, cy], skew) = (camera.focal(), camera.principal_point(), camera.skew_angle());
         let intrinsic = Matrix3::new(fx, fx / skew.tan(), cx, 0.0, fy / skew.sin(), cy, 0.0, 0.0, 1.0);
         let seen = matrix(camera.rotation()) * Vector3::from(point) + Vector3::from(camera.translation());
@@ -62,7 +62,7 @@ fn the_zero_vector_does_not_rotate() {
 }
 
 #[test]
-fn pixels_count_to_the_right_and_downwards() {
+fn u_points_right_and_v_points_down() {
     assert_eq!(ImageFrame.project([3.0, 4.0, 9.0]), [3.0, 4.0]);
     let camera = FrontParallel::new(10.0, [100.0, 200.0]).unwrap();
     assert_eq!(camera.project([1.0, 2.0, 9.0]), [110.0, 180.0]);
@@ -71,7 +71,7 @@ fn pixels_count_to_the_right_and_downwards() {
 
 proptest! {
     #[test]
-    fn a_turned_front_parallel_view_is_a_far_pinhole(
+    fn a_rotated_front_parallel_view_is_a_pinhole_parallel_to_the_plane(
         scale in 1.0..1000.0_f64,
         origin in [-500.0..1500.0, -500.0..1500.0],
         angle in -4.0..4.0_f64,
@@ -90,7 +90,7 @@ proptest! {
     }
 
     #[test]
-    fn without_an_angle_the_view_is_that_of_equation_18(
+    fn a_view_without_an_angle_is_equation_18(
         scale in 1.0..1000.0_f64,
         [u0, v0] in [-500.0..1500.0, -500.0..1500.0],
         [x, y, z] in any_point(),
@@ -103,7 +103,7 @@ proptest! {
 }
 
 #[test]
-fn points_behind_the_camera_are_not_seen() {
+fn points_behind_the_camera_are_not_visible() {
     let lens = BrownDistortion::new([0.1, 0.0, 0.0], [0.01, 0.0], [0.0, 0.01]).unwrap();
     let upright = Pinhole::new([1000.0; 2], [500.0; 2], rotation_from_vector([0.0; 3]), [0.0, 0.0, 2.0]).unwrap();
     for camera in [upright.clone(), upright.with_distortion(lens)] {

@@ -1,13 +1,13 @@
-//! Lenses made of splines: the field against its definition and its derivatives, the two forms against each other.
+//! Spline fields against their definition, and the two spline lenses against each other.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
 
-use common::{any_distortion, any_field, any_lens};
+use common::{any_brown, any_field, distance};
 use fedic_camera::{
-    BrownDistortion, Camera, CameraError, Distortion, InverseSplineDistortion, Parameter, Pinhole, SplineDistortion,
-    SplineField, rotation_from_vector,
+    BrownDistortion, Camera, CameraError, InverseSplineDistortion, Lens, Parameter, Parametric, Pinhole,
+    SplineDistortion, SplineField, rotation_from_vector,
 };
 use proptest::prelude::*;
 
@@ -19,12 +19,8 @@ fn cubic(t: f64) -> f64 {
     if t < 1.0 { 2.0 / 3.0 - t * t + 0.5 * t * t * t } else { (2.0 - t).max(0.0).powi(3) / 6.0 }
 }
 
-fn distance([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
-    (a - c).hypot(b - d)
-}
-
 fn field_of(intervals: [usize; 2], value: impl Fn([f64; 2]) -> [f64; 2]) -> SplineField {
-    SplineField::approximating(DOMAIN, intervals, |at| Some(value(at))).unwrap().unwrap()
+    SplineField::fit(DOMAIN, intervals, |at| Some(value(at))).unwrap().unwrap()
 }
 
 proptest! {
@@ -64,20 +60,20 @@ proptest! {
     }
 
     #[test]
-    fn no_slope_within_the_domain_is_above_the_bound(field in any_field(), x in -0.35..0.3, y in -0.2..0.25) {
+    fn the_slope_bound_holds_in_the_domain(field in any_field(), x in -0.35..0.3, y in -0.2..0.25) {
         let (_, [[a, b], [c, d]]) = field.value_with_jacobian([x, y]);
-        prop_assert!(a.hypot(b).hypot(c.hypot(d)) <= field.steepest() + 1e-12);
+        prop_assert!(a.hypot(b).hypot(c.hypot(d)) <= field.slope_bound() + 1e-12);
     }
 
     #[test]
-    fn a_field_takes_any_cubic_as_it_is(coefficients in [-1.0..1.0, -1.0..1.0, -1.0..1.0], x in -0.3..0.4, y in -0.2..0.25) {
+    fn a_field_reproduces_cubic_polynomials(coefficients in [-1.0..1.0, -1.0..1.0, -1.0..1.0], x in -0.3..0.4, y in -0.2..0.25) {
         let [a, b, c] = coefficients;
         let cubic = |[x, y]: [f64; 2]| [a + b * x - c * y * y, x * x * x * a + b * x * x * y + c * x * y.powi(3)];
         prop_assert!(distance(field_of([3, 2], cubic).value([x, y]), cubic([x, y])) < 1e-13);
     }
 
     #[test]
-    fn an_extended_field_is_the_same_and_goes_on_as_it_was(
+    fn an_extended_field_continues_its_polynomials(
         coefficients in [-1.0..1.0, -1.0..1.0], field in any_field(), x in -0.35..0.3, y in -0.2..0.25,
     ) {
         prop_assert!(distance(field.extended(3).value([x, y]), field.value([x, y])) < 1e-14);
@@ -87,23 +83,16 @@ proptest! {
     }
 
     #[test]
-    fn what_a_lens_shows_is_taken_back(lens in any_distortion(), x in -0.3..0.3, y in -0.2..0.2) {
-        let (seen, _) = lens.distort_with_jacobian([x, y]);
-        prop_assert!(distance(seen, lens.distort([x, y])) < 1e-14);
-        prop_assert!(distance(lens.undistort(seen).unwrap(), [x, y]) < 1e-13);
-    }
-
-    #[test]
-    fn direct_and_inverse_agree(lens in any_lens(), x in -0.28..0.38, y in -0.19..0.24) {
-        let brown = Distortion::from(lens);
-        let direct = SplineDistortion::approximating(&brown, DOMAIN, 1e-8).unwrap();
+    fn the_spline_lenses_approximate_each_other(lens in any_brown(), x in -0.28..0.38, y in -0.19..0.24) {
+        let brown = lens;
+        let direct = SplineDistortion::from_lens(&brown, DOMAIN, 1e-8).unwrap();
         let seen = [direct.distort([DOMAIN[0], DOMAIN[1]]), direct.distort([DOMAIN[2], DOMAIN[3]])];
         let domain = [seen[0][0] - 0.02, seen[0][1] - 0.02, seen[1][0] + 0.02, seen[1][1] + 0.02];
-        let inverse = InverseSplineDistortion::approximating(&direct.clone().into(), domain, 1e-8).unwrap();
+        let inverse = InverseSplineDistortion::from_lens(&direct, domain, 1e-8).unwrap();
         prop_assert!(distance(direct.distort([x, y]), inverse.distort([x, y])) < 2e-8);
         // The tolerance holds at samples; between them the difference may be a little larger.
         prop_assert!(distance(direct.distort([x, y]), brown.distort([x, y])) < 1.3e-8);
-        let back = SplineDistortion::approximating(&inverse.into(), DOMAIN, 1e-8).unwrap();
+        let back = SplineDistortion::from_lens(&inverse, DOMAIN, 1e-8).unwrap();
         prop_assert!(distance(direct.distort([x, y]), back.distort([x, y])) < 3e-8);
     }
 }
@@ -113,7 +102,7 @@ fn pinhole() -> Pinhole {
 }
 
 #[test]
-fn beyond_its_domain_a_lens_goes_on_linearly_and_is_not_known() {
+fn a_lens_is_linear_beyond_its_domain_and_does_not_cover_it() {
     let field = field_of([6, 4], |[x, y]| [0.1 * x * x, -0.05 * x * y]);
     let lens = SplineDistortion::new(field.clone());
     let camera = pinhole().with_distortion(lens.clone());
@@ -123,28 +112,27 @@ fn beyond_its_domain_a_lens_goes_on_linearly_and_is_not_known() {
     assert!(camera.covers([0.79, 0.1, 0.0]) && !camera.covers([0.81, 0.1, 0.0]));
     let inverse = InverseSplineDistortion::new(field);
     let camera = pinhole().with_distortion(inverse.clone());
-    let edge = inverse.undistort([0.4, 0.1]);
+    let edge = inverse.undistort([0.4, 0.1]).unwrap();
     assert!(camera.covers([2.0 * (edge[0] - 1e-9), 2.0 * edge[1], 0.0]));
     assert!(!camera.covers([2.0 * (edge[0] + 1e-9), 2.0 * edge[1], 0.0]));
 }
 
 #[test]
-fn a_lens_that_folds_is_refused_and_says_so() {
-    let folded = Distortion::from(BrownDistortion::new([-5.0, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap());
-    let out_of_reach = Err(CameraError::LensOutOfReach { domain: DOMAIN });
-    assert_eq!(SplineDistortion::approximating(&folded, DOMAIN, 1e-8), out_of_reach.clone());
-    let out_of_reach = Err(CameraError::LensOutOfReach { domain: DOMAIN });
-    assert_eq!(InverseSplineDistortion::approximating(&folded, DOMAIN, 1e-8), out_of_reach);
+fn approximating_a_lens_that_folds_is_an_error() {
+    let folded = BrownDistortion::new([-5.0, 0.0, 0.0], [0.0; 2], [0.0; 2]).unwrap();
+    let out_of_reach = CameraError::LensOutOfReach { domain: DOMAIN };
+    assert_eq!(SplineDistortion::from_lens(&folded, DOMAIN, 1e-8), Err(out_of_reach.clone()));
+    assert_eq!(InverseSplineDistortion::from_lens(&folded, DOMAIN, 1e-8), Err(out_of_reach));
     let steep = field_of([8, 8], |[x, _]| [-6.0 * x * x * x, 0.0]);
-    let lens = Distortion::from(SplineDistortion::new(steep.clone()));
+    let lens = SplineDistortion::new(steep.clone());
     assert!(!lens.folds_within([0.2, 0.0]) && lens.folds_within([0.3, 0.1]));
     assert_eq!(lens.undistort([0.2, 0.0]), None, "x - 6 x^3 stays below 0.16");
-    let inverse = Distortion::from(InverseSplineDistortion::new(steep));
+    let inverse = InverseSplineDistortion::new(steep);
     assert!(inverse.distort([0.5, 0.0]).iter().all(|c| c.is_nan()) || inverse.folds_within([0.5, 0.0]));
 }
 
 #[test]
-fn a_spline_that_is_none_is_refused() {
+fn invalid_splines_are_refused() {
     let coefficients = vec![[0.0; 2]; 20];
     let made =
         |domain, intervals, coefficients: &[[f64; 2]]| SplineField::new(domain, intervals, coefficients.to_vec());
@@ -159,20 +147,21 @@ fn a_spline_that_is_none_is_refused() {
         let message = result.unwrap_err().to_string();
         assert!(message.contains(part), "{message}");
     }
-    assert!(SplineField::approximating(DOMAIN, [0, 2], |_| Some([0.0; 2])).is_err());
-    let rough = Distortion::from(SplineDistortion::new(field_of([200, 150], |[x, y]| {
-        [1e-3 * (300.0 * x).sin(), 1e-3 * (280.0 * y).cos()]
-    })));
-    let error = SplineDistortion::approximating(&rough, DOMAIN, 1e-12).unwrap_err();
-    assert!(matches!(error, CameraError::TooRough { error, .. } if error > 1e-12), "{error}");
+    assert!(SplineField::fit(DOMAIN, [0, 2], |_| Some([0.0; 2])).is_err());
+    let rough =
+        SplineDistortion::new(field_of([200, 150], |[x, y]| [1e-3 * (300.0 * x).sin(), 1e-3 * (280.0 * y).cos()]));
+    let error = SplineDistortion::from_lens(&rough, DOMAIN, 1e-12).unwrap_err();
+    assert!(matches!(error, CameraError::ToleranceNotReached { error, .. } if error > 1e-12), "{error}");
 }
 
 #[test]
-fn a_camera_keeps_its_spline_where_other_parameters_move() {
+fn perturbing_other_parameters_keeps_the_spline() {
     let lens = SplineDistortion::new(field_of([4, 4], |[x, y]| [0.01 * x * y, 0.0]));
     let camera = pinhole().with_distortion(lens.clone());
-    let moved = camera.moved_by(&[Parameter::Cx, Parameter::Tz], &[2.0, 0.1]).unwrap();
+    let moved = camera.perturbed([(Parameter::Cx, 2.0), (Parameter::Tz, 0.1)]).unwrap();
     assert_eq!(moved.distortion(), Some(&lens.into()));
-    let error = camera.moved_by(&[Parameter::Cx, Parameter::K1], &[0.0, 0.1]).unwrap_err();
-    assert_eq!(error, CameraError::NotOfThisLens { name: "k1" });
+    let k1 = Parameter::Lens("k1");
+    let error = camera.perturbed([(Parameter::Cx, 0.0), (k1, 0.1)]).unwrap_err();
+    assert!(matches!(&error, CameraError::NotAParameter { name: "k1", known } if !known.contains(&"k1")), "{error}");
+    assert_eq!(camera.parameter_jacobian([0.1, 0.1, 0.0], &[k1], &mut [[0.0; 2]]), Err(error));
 }

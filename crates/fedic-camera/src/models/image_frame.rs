@@ -1,8 +1,8 @@
-//! The mesh drawn in the image itself.
+//! The camera of a mesh drawn in pixels.
 
 use crate::Camera;
 
-/// World unit = pixel: `u = X`, `v = Y`, whatever `Z`.
+/// World unit = pixel: `u = X`, `v = Y` for every `Z`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ImageFrame;
 

@@ -1,24 +1,26 @@
-//! The perfect projector of the paper's Sect. 4.
+//! The fronto-parallel view of the paper's Sect. 4.
 
 use crate::{Camera, CameraError};
 
-/// Front-parallel view without distortion: `u = u0 + k X`, `v = v0 - k Y` (paper, eq. 18), where the world's axes may be
-/// turned in the image by an angle `a`: `u = u0 + k (cos a X - sin a Y)`, `v = v0 - k (sin a X + cos a Y)`.
+/// Fronto-parallel view without distortion: `u = u0 + k X`, `v = v0 - k Y` (paper, eq. 18).
+///
+/// With an angle `a` between the world axes and the image axes, it is `u = u0 + k (cos a X - sin a Y)`,
+/// `v = v0 - k (sin a X + cos a Y)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontParallel {
     scale: f64,
     origin: [f64; 2],
     angle: f64,
     /// `k cos a` and `k sin a`.
-    turn: [f64; 2],
+    scaled_rotation: [f64; 2],
 }
 
 impl FrontParallel {
-    /// A view of `scale` pixels per world unit that shows the world's origin at `origin = [u0, v0]`.
+    /// Creates a view of `scale` pixels per world unit that shows the world origin at `origin = [u0, v0]`.
     ///
     /// # Errors
     ///
-    /// [`CameraError`] where the scale is not positive or a parameter not finite.
+    /// [`CameraError`] if the scale is not positive or a parameter is not finite.
     ///
     /// # Examples
     ///
@@ -38,14 +40,14 @@ impl FrontParallel {
         if scale <= 0.0 {
             return Err(CameraError::NotPositive { parameter: "scale (pixels per unit)", value: scale });
         }
-        Ok(Self { scale, origin, angle: 0.0, turn: [scale, 0.0] })
+        Ok(Self { scale, origin, angle: 0.0, scaled_rotation: [scale, 0.0] })
     }
 
-    /// The same view with the world turned counter-clockwise in the image by `angle`, in radians, about its origin.
+    /// Sets the angle by which the world is rotated counter-clockwise in the image about its origin, in radians.
     ///
     /// # Errors
     ///
-    /// [`CameraError`] where the angle is not finite.
+    /// [`CameraError`] if the angle is not finite.
     ///
     /// # Examples
     ///
@@ -61,7 +63,7 @@ impl FrontParallel {
             return Err(CameraError::NonFinite { parameter: "angle" });
         }
         let (sin, cos) = angle.sin_cos();
-        Ok(Self { angle, turn: [self.scale * cos, self.scale * sin], ..self })
+        Ok(Self { angle, scaled_rotation: [self.scale * cos, self.scale * sin], ..self })
     }
 
     /// Pixels per world unit.
@@ -69,12 +71,12 @@ impl FrontParallel {
         self.scale
     }
 
-    /// Image point of the world's origin.
+    /// Image point of the world origin.
     pub fn origin(&self) -> [f64; 2] {
         self.origin
     }
 
-    /// Angle by which the world is turned counter-clockwise in the image, in radians.
+    /// Angle by which the world is rotated counter-clockwise in the image, in radians.
     pub fn angle(&self) -> f64 {
         self.angle
     }
@@ -83,13 +85,13 @@ impl FrontParallel {
 impl Camera for FrontParallel {
     #[inline]
     fn project(&self, [x, y, _]: [f64; 3]) -> [f64; 2] {
-        let [cos, sin] = self.turn;
+        let [cos, sin] = self.scaled_rotation;
         [self.origin[0] + (cos * x - sin * y), self.origin[1] - (sin * x + cos * y)]
     }
 
     #[inline]
     fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
-        let [cos, sin] = self.turn;
+        let [cos, sin] = self.scaled_rotation;
         (self.project(point), [[cos, -sin, 0.0], [-sin, -cos, 0.0]])
     }
 
@@ -99,7 +101,7 @@ impl Camera for FrontParallel {
 
     fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {
         let [right, up] = [u - self.origin[0], self.origin[1] - v];
-        let [cos, sin] = self.turn.map(|entry| entry / self.scale);
+        let [cos, sin] = self.scaled_rotation.map(|entry| entry / self.scale);
         [(cos * right + sin * up) / self.scale, (cos * up - sin * right) / self.scale, z]
     }
 }

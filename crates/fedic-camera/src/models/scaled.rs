@@ -1,11 +1,11 @@
-//! A camera seen in a reduced image.
+//! A camera whose image is resized.
 
 use std::sync::Arc;
 
 use crate::Camera;
 
-/// `camera` with its image points multiplied by `factor`: what it sees in a level of an image pyramid.
-#[derive(Clone)]
+/// A camera with its image points multiplied by a factor, for a level of an image pyramid.
+#[derive(Debug, Clone)]
 pub struct Scaled {
     camera: Arc<dyn Camera>,
     factor: f64,
@@ -40,8 +40,8 @@ impl Camera for Scaled {
         self.camera.covers(point)
     }
 
-    fn is_in_pieces(&self) -> bool {
-        self.camera.is_in_pieces()
+    fn is_piecewise(&self) -> bool {
+        self.camera.is_piecewise()
     }
 
     fn unproject_linear(&self, pixel: [f64; 2], z: f64) -> [f64; 3] {

@@ -1,18 +1,23 @@
-//! The pinhole camera with skewed pixels and a distorting lens (paper, Sect. 5.1).
+//! The pinhole camera with skewed pixels and lens distortion (paper, Sect. 5.1).
+
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::camera::{project_each, project_each_with_jacobian};
-use crate::{Camera, CameraError, Distortion};
+use crate::batch::{project_each, project_each_with_jacobian};
+use crate::lens::LensVisitor;
+use crate::newton::Jacobian2;
+use crate::{Camera, CameraError, Distortion, Lens};
 
 const ROTATION_TOLERANCE: f64 = 1e-6;
-/// Derivatives of no lens.
-const IDENTITY: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
+const IDENTITY: Jacobian2 = [[1.0, 0.0], [0.0, 1.0]];
 
 /// Rigid motion (paper, eq. 20), canonical projection (24), distortion (27) and intrinsic matrix with skew (22, 25).
 ///
-/// The camera frame is OpenCV's: `x` right, `y` down, `z` forward, `X_c = R X_w + t`. A retinal point `(x, y)` falls at
-/// `u = fx x + fx cot(theta) y + cx`, `v = fy / sin(theta) y + cy`, with `theta` the angle between the pixel axes.
+/// The camera frame is OpenCV's: `x` right, `y` down, `z` forward, `X_c = R X_w + t`. The canonical projection
+/// `(X_c / Z_c, Y_c / Z_c)` gives the normalised image coordinates ("retinal" in the paper), on which the lens acts. A
+/// distorted point `(x, y)` has the pixel `u = fx x + fx cot(theta) y + cx`, `v = fy / sin(theta) y + cy`, with `theta` the
+/// angle between the pixel axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pinhole {
     focal: [f64; 2],
@@ -25,29 +30,25 @@ pub struct Pinhole {
     pub(crate) intrinsic: [f64; 3],
 }
 
-/// Rotation matrix of a rotation vector: its direction is the axis, its length the angle in radians (Rodrigues).
+/// Rotation matrix of a rotation vector, whose direction is the axis and whose length is the angle in radians (Rodrigues).
 pub fn rotation_from_vector(vector: [f64; 3]) -> [[f64; 3]; 3] {
     let matrix = Rotation3::new(Vector3::from(vector)).into_inner();
     std::array::from_fn(|r| std::array::from_fn(|c| matrix[(r, c)]))
 }
 
-/// Entries of the intrinsic matrix; at a right angle without the rounding of its tangent.
+/// Entries of the intrinsic matrix; a right angle is exact, without the rounding of its tangent.
 fn intrinsic([fx, fy]: [f64; 2], skew_angle: f64) -> [f64; 3] {
-    if skew_angle == std::f64::consts::FRAC_PI_2 {
-        [fx, 0.0, fy]
-    } else {
-        [fx, fx / skew_angle.tan(), fy / skew_angle.sin()]
-    }
+    if skew_angle == FRAC_PI_2 { [fx, 0.0, fy] } else { [fx, fx / skew_angle.tan(), fy / skew_angle.sin()] }
 }
 
 impl Pinhole {
-    /// A camera of focal lengths `[fx, fy]` and principal point `[cx, cy]`, in pixels, without skew or distortion.
+    /// Creates a camera of focal lengths `[fx, fy]` and principal point `[cx, cy]`, in pixels, without skew or distortion.
     ///
-    /// `rotation` rows and `translation` (world unit) carry world points into the camera frame.
+    /// `rotation` (rows of the matrix) and `translation` (world unit) map world points to the camera frame.
     ///
     /// # Errors
     ///
-    /// [`CameraError`] where a parameter is not finite, a focal length not positive or the matrix no rotation.
+    /// [`CameraError`] if a parameter is not finite, a focal length is not positive or the matrix is not a rotation.
     ///
     /// # Examples
     ///
@@ -83,16 +84,16 @@ impl Pinhole {
         if deviation > ROTATION_TOLERANCE {
             return Err(CameraError::NotARotation { deviation });
         }
-        let skew_angle = std::f64::consts::FRAC_PI_2;
+        let skew_angle = FRAC_PI_2;
         let intrinsic = intrinsic(focal, skew_angle);
         Ok(Self { focal, principal_point, rotation, translation, skew_angle, distortion: None, intrinsic })
     }
 
-    /// The same camera with an angle between its pixel axes, in radians.
+    /// Sets the angle between the pixel axes, in radians.
     ///
     /// # Errors
     ///
-    /// [`CameraError::SkewAngle`] where the angle is not between 0 and pi.
+    /// [`CameraError::SkewAngle`] if the angle is not between 0 and pi.
     pub fn with_skew_angle(mut self, skew_angle: f64) -> Result<Self, CameraError> {
         if !(skew_angle > 0.0 && skew_angle < std::f64::consts::PI) {
             return Err(CameraError::SkewAngle { value: skew_angle });
@@ -102,7 +103,7 @@ impl Pinhole {
         Ok(self)
     }
 
-    /// The same camera behind a distorting lens.
+    /// Sets the lens distortion.
     pub fn with_distortion(mut self, distortion: impl Into<Distortion>) -> Self {
         self.distortion = Some(distortion.into());
         self
@@ -133,7 +134,7 @@ impl Pinhole {
         self.skew_angle
     }
 
-    /// The lens, where it distorts.
+    /// Lens distortion, if any.
     pub fn distortion(&self) -> Option<&Distortion> {
         self.distortion.as_ref()
     }
@@ -146,9 +147,9 @@ impl Pinhole {
         })
     }
 
-    /// Retinal point and inverse depth; NaN for points behind the camera.
+    /// Normalised image coordinates and inverse depth; NaN for points behind the camera.
     #[inline]
-    pub(crate) fn retinal(&self, point: [f64; 3]) -> ([f64; 2], f64) {
+    pub(crate) fn normalised(&self, point: [f64; 3]) -> ([f64; 2], f64) {
         let [x, y, z] = self.in_camera_frame(point);
         let inverse_depth = if z > 0.0 { 1.0 / z } else { f64::NAN };
         ([x * inverse_depth, y * inverse_depth], inverse_depth)
@@ -160,30 +161,84 @@ impl Pinhole {
         [a * x + b * y + self.principal_point[0], c * y + self.principal_point[1]]
     }
 
-    /// A world point as seen through a lens.
+    /// Projects a world point through the given distortion.
     #[inline(always)]
-    fn project_through(&self, lens: impl Fn([f64; 2]) -> [f64; 2], point: [f64; 3]) -> [f64; 2] {
-        self.pixel(lens(self.retinal(point).0))
+    fn project_through(&self, distort: impl Fn([f64; 2]) -> [f64; 2], point: [f64; 3]) -> [f64; 2] {
+        self.pixel(distort(self.normalised(point).0))
     }
 
-    /// The same and its derivatives, of a lens that gives its own.
+    /// Projects a world point through the given distortion, with the Jacobian.
     #[inline(always)]
     fn project_through_with_jacobian(
         &self,
-        lens: impl Fn([f64; 2]) -> ([f64; 2], [[f64; 2]; 2]),
+        distort: impl Fn([f64; 2]) -> ([f64; 2], Jacobian2),
         point: [f64; 3],
     ) -> ([f64; 2], [[f64; 3]; 2]) {
-        let (retinal, inverse_depth) = self.retinal(point);
-        let (seen, lens) = lens(retinal);
+        let (normalised, inverse_depth) = self.normalised(point);
+        let (distorted, lens) = distort(normalised);
         let [a, b, c] = self.intrinsic;
-        let pixel_by_retinal =
+        let pixel_by_normalised =
             [[a * lens[0][0] + b * lens[1][0], a * lens[0][1] + b * lens[1][1]], [c * lens[1][0], c * lens[1][1]]];
         let r = &self.rotation;
-        let retinal_by_world: [[f64; 3]; 2] =
-            std::array::from_fn(|i| std::array::from_fn(|d| (r[i][d] - retinal[i] * r[2][d]) * inverse_depth));
-        let jacobian = pixel_by_retinal
-            .map(|[px, py]| std::array::from_fn(|d| px * retinal_by_world[0][d] + py * retinal_by_world[1][d]));
-        (self.pixel(seen), jacobian)
+        let normalised_by_world: [[f64; 3]; 2] =
+            std::array::from_fn(|i| std::array::from_fn(|d| (r[i][d] - normalised[i] * r[2][d]) * inverse_depth));
+        let jacobian = pixel_by_normalised
+            .map(|[px, py]| std::array::from_fn(|d| px * normalised_by_world[0][d] + py * normalised_by_world[1][d]));
+        (self.pixel(distorted), jacobian)
+    }
+
+    /// Not inlined, so that the compiler knows from the arguments that the outputs do not alias the camera.
+    #[inline(never)]
+    fn project_batch_through(
+        &self,
+        distort: impl Fn([f64; 2]) -> [f64; 2],
+        points: [&[f64]; 3],
+        u: &mut [f64],
+        v: &mut [f64],
+    ) {
+        project_each(|point| self.project_through(&distort, point), points, [u, v]);
+    }
+
+    /// Not inlined for the same reason.
+    #[inline(never)]
+    fn project_batch_through_with_jacobian(
+        &self,
+        distort: impl Fn([f64; 2]) -> ([f64; 2], Jacobian2),
+        points: [&[f64]; 3],
+        u: &mut [f64],
+        v: &mut [f64],
+        jacobian: &mut [[&mut [f64]; 3]; 2],
+    ) {
+        let project = |point| self.project_through_with_jacobian(&distort, point);
+        project_each_with_jacobian(project, points, [u, v], jacobian);
+    }
+}
+
+/// Arguments of [`Camera::project_batch`] and [`Camera::project_with_jacobian_batch`], for one dispatch to the lens model.
+struct Batch<'a, J> {
+    camera: &'a Pinhole,
+    points: [&'a [f64]; 3],
+    pixels: [&'a mut [f64]; 2],
+    jacobian: J,
+}
+
+impl LensVisitor for Batch<'_, ()> {
+    type Output = ();
+
+    #[inline]
+    fn visit(self, lens: &impl Lens) {
+        let Self { camera, points, pixels: [u, v], .. } = self;
+        camera.project_batch_through(|at| lens.distort(at), points, u, v);
+    }
+}
+
+impl LensVisitor for Batch<'_, &mut [[&mut [f64]; 3]; 2]> {
+    type Output = ();
+
+    #[inline]
+    fn visit(self, lens: &impl Lens) {
+        let Self { camera, points, pixels: [u, v], jacobian } = self;
+        camera.project_batch_through_with_jacobian(|at| lens.distort_with_jacobian(at), points, u, v, jacobian);
     }
 }
 
@@ -191,27 +246,23 @@ impl Camera for Pinhole {
     #[inline]
     fn project(&self, point: [f64; 3]) -> [f64; 2] {
         match &self.distortion {
-            Some(lens) => self.project_through(|retinal| lens.distort(retinal), point),
-            None => self.project_through(|retinal| retinal, point),
+            Some(lens) => self.project_through(|at| lens.distort(at), point),
+            None => self.project_through(|at| at, point),
         }
     }
 
     #[inline]
     fn project_with_jacobian(&self, point: [f64; 3]) -> ([f64; 2], [[f64; 3]; 2]) {
         match &self.distortion {
-            Some(lens) => self.project_through_with_jacobian(|retinal| lens.distort_with_jacobian(retinal), point),
-            None => self.project_through_with_jacobian(|retinal| (retinal, IDENTITY), point),
+            Some(lens) => self.project_through_with_jacobian(|at| lens.distort_with_jacobian(at), point),
+            None => self.project_through_with_jacobian(|at| (at, IDENTITY), point),
         }
     }
 
     fn project_batch(&self, x: &[f64], y: &[f64], z: &[f64], u: &mut [f64], v: &mut [f64]) {
-        let (points, pixels) = ([x, y, z], [u, v]);
         match &self.distortion {
-            None => project_each(|point| self.project_through(|retinal| retinal, point), points, pixels),
-            Some(Distortion::Brown(lens)) => {
-                project_each(|point| self.project_through(|retinal| lens.distort(retinal), point), points, pixels);
-            }
-            Some(_) => project_each(|point| self.project(point), points, pixels),
+            Some(lens) => lens.visit(Batch { camera: self, points: [x, y, z], pixels: [u, v], jacobian: () }),
+            None => self.project_batch_through(|at| at, [x, y, z], u, v),
         }
     }
 
@@ -224,31 +275,22 @@ impl Camera for Pinhole {
         v: &mut [f64],
         jacobian: &mut [[&mut [f64]; 3]; 2],
     ) {
-        let (points, pixels) = ([x, y, z], [u, v]);
         match &self.distortion {
-            None => {
-                let project = |point| self.project_through_with_jacobian(|retinal| (retinal, IDENTITY), point);
-                project_each_with_jacobian(project, points, pixels, jacobian);
-            }
-            Some(Distortion::Brown(lens)) => {
-                let lens = |retinal| (lens.distort(retinal), lens.jacobian(retinal));
-                let project = |point| self.project_through_with_jacobian(lens, point);
-                project_each_with_jacobian(project, points, pixels, jacobian);
-            }
-            Some(_) => project_each_with_jacobian(|point| self.project_with_jacobian(point), points, pixels, jacobian),
+            Some(lens) => lens.visit(Batch { camera: self, points: [x, y, z], pixels: [u, v], jacobian }),
+            None => self.project_batch_through_with_jacobian(|at| (at, IDENTITY), [x, y, z], u, v, jacobian),
         }
     }
 
     fn is_beyond_fold(&self, point: [f64; 3]) -> bool {
-        self.distortion.as_ref().is_some_and(|lens| lens.folds_within(self.retinal(point).0))
+        self.distortion.as_ref().is_some_and(|lens| lens.folds_within(self.normalised(point).0))
     }
 
     fn covers(&self, point: [f64; 3]) -> bool {
-        self.distortion.as_ref().is_none_or(|lens| lens.covers(self.retinal(point).0))
+        self.distortion.as_ref().is_none_or(|lens| lens.covers(self.normalised(point).0))
     }
 
-    fn is_in_pieces(&self) -> bool {
-        self.distortion.as_ref().is_some_and(|lens| lens.field().is_some())
+    fn is_piecewise(&self) -> bool {
+        self.distortion.as_ref().is_some_and(Distortion::is_piecewise)
     }
 
     fn unproject_linear(&self, [u, v]: [f64; 2], z: f64) -> [f64; 3] {
