@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fedic::{
-    CellType, Correlator, Distortion, Interpolation, InverseSplineDistortion, Options, SplineDistortion, SplineField,
-    Start,
+    CellType, Correlator, Distortion, Interpolation, InverseSplineDistortion, Lens, Options, SplineDistortion,
+    SplineField, Start,
 };
 use fedic_benches::{DISTANCE, FOCAL, Picture, SENSOR, criterion, lens, pinhole, world_mesh};
 
@@ -22,15 +22,20 @@ const WAVE: [f64; 2] = [500.0, 0.5];
 /// Of the spline: as many as a calibration takes.
 const INTERVALS: [usize; 2] = [16, 13];
 
+/// The image in normalised coordinates.
+fn domain() -> [f64; 4] {
+    let [x, y] = SENSOR.map(|pixels| 0.5 * pixels as f64 / FOCAL);
+    [-x, -y, x, y]
+}
+
 /// The radial lens and waves.
 fn wavy() -> SplineDistortion {
-    let half = SENSOR.map(|pixels| 0.5 * pixels as f64 / FOCAL);
     let (wave, amplitude) = (std::f64::consts::TAU * FOCAL / WAVE[0], WAVE[1] / FOCAL);
     let displacement = |[x, y]: [f64; 2]| {
         let [u, v] = lens().distort([x, y]);
         Some([u - x + amplitude * (wave * x).sin(), v - y + amplitude * (wave * y).cos()])
     };
-    let field = SplineField::approximating([-half[0], -half[1], half[0], half[1]], INTERVALS, displacement);
+    let field = SplineField::fit(domain(), INTERVALS, displacement);
     SplineDistortion::new(field.unwrap().unwrap())
 }
 
@@ -40,8 +45,7 @@ fn lenses(c: &mut Criterion) {
     let unit = DISTANCE / FOCAL;
     let field = vec![[SHIFT[0] * unit, -SHIFT[1] * unit]; mesh.num_nodes()];
     let spline = wavy();
-    let inverse =
-        InverseSplineDistortion::approximating(&spline.clone().into(), spline.field().domain(), 1e-6).unwrap();
+    let inverse = InverseSplineDistortion::from_lens(&spline, domain(), 1e-6).unwrap();
     let lenses: [(&str, Distortion); 3] =
         [("radial", lens().into()), ("spline", spline.into()), ("inverse_spline", inverse.into())];
     let mut group = c.benchmark_group("lens");

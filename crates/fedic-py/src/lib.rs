@@ -31,7 +31,7 @@ mod _core {
     #[pymodule_export]
     use crate::image::interpolate_image;
     #[pymodule_export]
-    use crate::lens::{BrownDistortion, InverseSplineDistortion, SplineDistortion, spline_basis};
+    use crate::lens::{Distortion, LensModel, spline_basis};
     #[pymodule_export]
     use crate::mesh::{Mesh, rectangle_mesh};
     #[pymodule_export]
@@ -50,6 +50,7 @@ mod _core {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::cell_type::add_cell_types(module)?;
         module.add("INTERPOLATIONS", PyTuple::new(module.py(), fedic::Interpolation::NAMES)?)?;
+        crate::lens::register(module)?;
         crate::options::add_tables(module)
     }
 }

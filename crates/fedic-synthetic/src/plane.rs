@@ -71,6 +71,7 @@ impl Plane {
 
 /// A camera for points given by coordinates `(a, b, c)` relative to a plane, `c` along its unit normal: the functions of
 /// [`fedic_camera`] for planes `Z = z` then serve any plane.
+#[derive(Debug)]
 pub(crate) struct PlaneCamera<'a> {
     pub(crate) camera: &'a dyn Camera,
     pub(crate) plane: Plane,
@@ -101,8 +102,8 @@ impl Camera for PlaneCamera<'_> {
         self.camera.covers(self.point(point))
     }
 
-    fn is_in_pieces(&self) -> bool {
-        self.camera.is_in_pieces()
+    fn is_piecewise(&self) -> bool {
+        self.camera.is_piecewise()
     }
 
     /// The camera gives points of its ray through the pixel at two values of `Z`; the ray is cut with the plane.

@@ -14,6 +14,7 @@ use fedic::{
 use fedic_synthetic::Speckle;
 
 /// A camera that counts the points it projects.
+#[derive(Debug)]
 struct Counting {
     camera: Pinhole,
     projected: AtomicUsize,

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use fedic::{
-    BrownDistortion, CellType, Error, Image, Mesh, Monitor, MotionKind, OptionError, Parameter, Pinhole,
+    BrownDistortion, CellType, Error, Image, Mesh, Monitor, MotionKind, OptionError, Parameter, Parametric, Pinhole,
     SelfCalibration, SelfCalibrationError, SelfCalibrationOptions, SpecimenImages, calibrate_on_specimen,
     calibrate_on_specimen_with, rectangle_mesh, rotation_from_vector, unproject,
 };
@@ -49,7 +49,7 @@ fn calibrate(
     calibrate_on_specimen_with(&input, options, monitor)
 }
 
-const LENS: [Parameter; 3] = [Parameter::K1, Parameter::Cx, Parameter::Cy];
+const LENS: [Parameter; 3] = [Parameter::Lens("k1"), Parameter::Cx, Parameter::Cy];
 
 #[test]
 fn lens_centre_and_motions_are_recovered() {
@@ -57,7 +57,7 @@ fn lens_centre_and_motions_are_recovered() {
         let options = SelfCalibrationOptions::default().motion(motion).smoothing(0.0);
         let found = calibrate(&TRANSLATIONS, &LENS, &options, &()).unwrap();
         assert!(found.converged, "{:?}", found.history);
-        let k1 = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
+        let k1 = found.camera.distortion().unwrap().coefficient("k1").unwrap();
         assert!((k1 / K1 - 1.0).abs() < 2e-3, "{motion:?}: {k1}");
         for (found, true_value) in found.camera.principal_point().into_iter().zip(CENTRE) {
             assert!((found - true_value).abs() < 0.1, "{motion:?}: {found} for {true_value}");
@@ -74,7 +74,7 @@ fn lens_centre_and_motions_are_recovered() {
 fn known_translations_determine_the_scale() {
     let options = SelfCalibrationOptions::default().known_translations(true);
     let images: Vec<Image> = std::iter::once(&[0.0; 2]).chain(&TRANSLATIONS).map(|&t| image(t)).collect();
-    let start = camera(K1, CENTRE).moved_by(&[Parameter::Fx, Parameter::Tz], &[6.0, -3.0]).unwrap();
+    let start = camera(K1, CENTRE).perturbed([(Parameter::Fx, 6.0), (Parameter::Tz, -3.0)]).unwrap();
     let input = SpecimenImages {
         images: &images.iter().map(Image::view).collect::<Vec<_>>(),
         mesh: &mesh(),
@@ -96,7 +96,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let bits = |num_threads| -> Vec<u64> {
         let options = SelfCalibrationOptions::default().num_threads(num_threads);
         let found = calibrate(&TRANSLATIONS, &LENS, &options, &()).unwrap();
-        let lens = found.camera.distortion().unwrap().brown().unwrap().radial()[0];
+        let lens = found.camera.distortion().unwrap().coefficient("k1").unwrap();
         let motions = found.motions.iter().chain(&found.motion_standard_deviations).flatten();
         let iterations = found.history.iter().flat_map(|i| [&i.correction, &i.residual_rms]);
         let values = motions.chain(iterations).chain(&found.covariance).chain([&lens, &found.noise]);
@@ -114,12 +114,13 @@ fn error_message(translations: &[[f64; 2]], parameters: &[Parameter]) -> String 
 
 #[test]
 fn undetermined_parameters_are_named() {
-    use Parameter::{Cx, D2, Fx, Fy, K1, Tx, Tz};
+    use Parameter::{Cx, Fx, Fy, Tx, Tz};
+    let [k1, d2] = ["k1", "d2"].map(Parameter::Lens);
     for (parameters, message) in [
-        (&[K1, Cx, D2][..], "do not tell cx, d2 apart"),
-        (&[K1, Fx, Fy], "a plane with unknown motions does not determine the scale: fix fx, fy and tz"),
-        (&[K1, Tz], "do not determine tz; a plane with unknown motions does not determine the scale"),
-        (&[K1, Tx], "do not determine tx; no image shows where the specimen is in its plane"),
+        (&[k1, Cx, d2][..], "do not tell cx, d2 apart"),
+        (&[k1, Fx, Fy], "a plane with unknown motions does not determine the scale: fix fx, fy and tz"),
+        (&[k1, Tz], "do not determine tz; a plane with unknown motions does not determine the scale"),
+        (&[k1, Tx], "do not determine tx; no image shows where the specimen is in its plane"),
     ] {
         let error = error_message(&TRANSLATIONS, parameters);
         assert!(error.contains(message), "{parameters:?}: {error}");
@@ -141,7 +142,7 @@ fn images_that_do_not_match_are_named() {
     let (mesh, camera) = (mesh(), camera(K1, CENTRE));
     let calibrate = |translations: &[[f64; 2]]| {
         let (mesh, camera) = (&mesh, &camera);
-        let input = SpecimenImages { images: &views, mesh, camera, parameters: &[Parameter::K1], translations };
+        let input = SpecimenImages { images: &views, mesh, camera, parameters: &[Parameter::Lens("k1")], translations };
         calibrate_on_specimen(&input, &options).unwrap_err()
     };
     let error = calibrate(&[TRANSLATIONS[0], [5.0, 5.0]]);
@@ -162,7 +163,7 @@ fn invalid_input_is_an_error() {
         let input = SpecimenImages { images, mesh: &mesh, camera: &camera, parameters, translations };
         calibrate_on_specimen(&input, &options).unwrap_err().to_string()
     };
-    let (k1, options) = ([Parameter::K1], SelfCalibrationOptions::default);
+    let (k1, options) = ([Parameter::Lens("k1")], SelfCalibrationOptions::default);
     assert!(calibrate(&views[..1], &k1, &[], options()).contains("got 1 images and 0 translations"));
     assert!(calibrate(&views, &k1, &[[f64::NAN, 0.0]], options()).contains("1 translations, not all finite"));
     assert!(calibrate(&views, &[], &TRANSLATIONS[..1], options()).contains("got none"));

@@ -4,6 +4,7 @@ use super::coefficients::{CoefficientGroup, names};
 use super::domain::{Domain, Plane};
 use super::model::Lens;
 use super::models::*;
+use super::spline_field::SplineField;
 use crate::CameraError;
 use crate::newton::Jacobian2;
 
@@ -131,6 +132,13 @@ macro_rules! define_distortion {
             pub fn is_piecewise(&self) -> bool {
                 match self {
                     $(Self::$variant(lens) => lens.is_piecewise(),)+
+                }
+            }
+
+            /// See [`Lens::field`].
+            pub fn field(&self) -> Option<&SplineField> {
+                match self {
+                    $(Self::$variant(lens) => lens.field(),)+
                 }
             }
 

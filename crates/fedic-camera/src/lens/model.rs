@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use super::coefficients::{CoefficientGroup, checked};
 use super::domain::{Domain, Plane};
 use super::fold::folds_between;
+use super::spline_field::SplineField;
 use crate::CameraError;
 use crate::newton::{Jacobian2, Root, Verdict, solve};
 
@@ -70,7 +71,12 @@ pub trait Lens: Debug + Clone + PartialEq + Send + Sync {
 
     /// Returns `true` if the lens is a piecewise polynomial, whose third derivatives jump between the pieces.
     fn is_piecewise(&self) -> bool {
-        false
+        self.field().is_some()
+    }
+
+    /// The field of a lens that is made of one.
+    fn field(&self) -> Option<&SplineField> {
+        None
     }
 
     /// The lens with a domain somewhat larger than its own, over which it is smooth. Another lens can approximate this

@@ -1,7 +1,7 @@
 //! Parameters of the fronto-parallel view.
 
 use super::parameter::Parameter;
-use super::parametric::Parametric;
+use super::parametric::{Parametric, not_a_parameter};
 use crate::{Camera, CameraError, FrontParallel};
 
 impl Parametric for FrontParallel {
@@ -9,12 +9,7 @@ impl Parametric for FrontParallel {
         vec![Parameter::U0, Parameter::V0, Parameter::Angle, Parameter::Scale]
     }
 
-    fn parameter_jacobian(
-        &self,
-        point: [f64; 3],
-        parameters: &[Parameter],
-        columns: &mut [[f64; 2]],
-    ) -> Result<(), CameraError> {
+    fn parameter_jacobian(&self, point: [f64; 3], parameters: &[Parameter], columns: &mut [[f64; 2]]) {
         let ([u, v], [u0, v0]) = (self.project(point), self.origin());
         let [right, down] = [u - u0, v - v0];
         for (column, &parameter) in columns[..parameters.len()].iter_mut().zip(parameters) {
@@ -23,10 +18,9 @@ impl Parametric for FrontParallel {
                 Parameter::V0 => [0.0, 1.0],
                 Parameter::Angle => [down, -right],
                 Parameter::Scale => [right / self.scale(), down / self.scale()],
-                _ => return Err(self.not_a_parameter(parameter)),
+                _ => [f64::NAN; 2],
             };
         }
-        Ok(())
     }
 
     fn perturbed(&self, steps: impl IntoIterator<Item = (Parameter, f64)>) -> Result<Self, CameraError> {
@@ -37,7 +31,7 @@ impl Parametric for FrontParallel {
                 Parameter::V0 => &mut origin[1],
                 Parameter::Angle => &mut angle,
                 Parameter::Scale => &mut scale,
-                _ => return Err(self.not_a_parameter(parameter)),
+                _ => return Err(not_a_parameter(self, parameter)),
             } += step;
         }
         Self::new(scale, origin)?.with_angle(angle)

@@ -9,13 +9,11 @@ pub trait Parametric: Camera + Sized {
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Derivatives `(du, dv)` of the image point of `point` with respect to each of the `parameters`, one column each; NaN
-    /// if the camera cannot see the point.
+    /// if the camera cannot see the point, or does not have the parameter (see [`check_parameters`]).
     ///
     /// The derivatives belong to the steps of [`perturbed`](Self::perturbed).
     ///
-    /// # Errors
-    ///
-    /// [`CameraError::NotAParameter`] if the camera does not have one of the parameters.
+    /// [`check_parameters`]: Self::check_parameters
     ///
     /// # Panics
     ///
@@ -28,16 +26,11 @@ pub trait Parametric: Camera + Sized {
     /// let upright = rotation_from_vector([0.0; 3]);
     /// let camera = Pinhole::new([1000.0, 1000.0], [500.0, 400.0], upright, [0.0, 0.0, 2.0])?;
     /// let mut columns = [[0.0; 2]; 2];
-    /// camera.parameter_jacobian([1.0, 0.0, 0.0], &[Parameter::Cx, Parameter::Lens("k1")], &mut columns)?;
+    /// camera.parameter_jacobian([1.0, 0.0, 0.0], &[Parameter::Cx, Parameter::Lens("k1")], &mut columns);
     /// assert_eq!(columns, [[1.0, 0.0], [125.0, 0.0]]);
     /// # Ok::<(), fedic_camera::CameraError>(())
     /// ```
-    fn parameter_jacobian(
-        &self,
-        point: [f64; 3],
-        parameters: &[Parameter],
-        columns: &mut [[f64; 2]],
-    ) -> Result<(), CameraError>;
+    fn parameter_jacobian(&self, point: [f64; 3], parameters: &[Parameter], columns: &mut [[f64; 2]]);
 
     /// The camera with a step added to each of some parameters.
     ///
@@ -60,12 +53,22 @@ pub trait Parametric: Camera + Sized {
     /// ```
     fn perturbed(&self, steps: impl IntoIterator<Item = (Parameter, f64)>) -> Result<Self, CameraError>;
 
-    /// The error for a parameter that this camera does not have.
-    #[doc(hidden)]
-    fn not_a_parameter(&self, parameter: Parameter) -> CameraError {
-        CameraError::NotAParameter {
-            name: parameter.name(),
-            known: self.parameters().into_iter().map(Parameter::name).collect(),
+    /// Checks that the camera has all of the parameters.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError::NotAParameter`] for the first that it does not have.
+    fn check_parameters(&self, parameters: &[Parameter]) -> Result<(), CameraError> {
+        let own = self.parameters();
+        match parameters.iter().find(|parameter| !own.contains(parameter)) {
+            Some(&parameter) => Err(not_a_parameter(self, parameter)),
+            None => Ok(()),
         }
     }
+}
+
+/// The error for a parameter that a camera does not have.
+pub(super) fn not_a_parameter<C: Parametric>(camera: &C, parameter: Parameter) -> CameraError {
+    let known = camera.parameters().into_iter().map(Parameter::name).collect();
+    CameraError::NotAParameter { name: parameter.name(), known }
 }

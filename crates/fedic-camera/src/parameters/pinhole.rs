@@ -3,18 +3,15 @@
 use nalgebra::{Rotation3, Vector3};
 
 use super::parameter::Parameter;
-use super::parametric::Parametric;
+use super::parametric::{Parametric, not_a_parameter};
 use crate::{BrownDistortion, CameraError, Distortion, Pinhole};
 
 /// The lens that stands for no lens: all its coefficients are zero.
 static NO_DISTORTION: Distortion = Distortion::Brown(BrownDistortion::UNDISTORTED);
 
-impl Pinhole {
-    /// Index of a coefficient of the lens.
-    fn coefficient_index(&self, lens: &Distortion, name: &'static str) -> Result<usize, CameraError> {
-        let found = lens.coefficient_names().position(|known| known == name);
-        found.ok_or_else(|| self.not_a_parameter(Parameter::Lens(name)))
-    }
+/// Index of a coefficient of a lens; beyond its coefficients if the lens does not have it.
+fn coefficient_index(lens: &Distortion, name: &str) -> usize {
+    lens.coefficient_names().position(|known| known == name).unwrap_or(usize::MAX)
 }
 
 /// A camera without a lens has the coefficients of [`BrownDistortion`], and gets that lens if one of them is modified.
@@ -27,12 +24,7 @@ impl Parametric for Pinhole {
         parameters
     }
 
-    fn parameter_jacobian(
-        &self,
-        point: [f64; 3],
-        parameters: &[Parameter],
-        columns: &mut [[f64; 2]],
-    ) -> Result<(), CameraError> {
+    fn parameter_jacobian(&self, point: [f64; 3], parameters: &[Parameter], columns: &mut [[f64; 2]]) {
         let ([x, y], inverse_depth) = self.normalised(point);
         let [a, b, c] = self.intrinsic;
         let lens = self.distortion().unwrap_or(&NO_DISTORTION);
@@ -61,19 +53,16 @@ impl Parametric for Pinhole {
                 Parameter::Fy => [0.0, to_pixel(distorted)[1] / self.focal()[1]],
                 Parameter::Cx => [1.0, 0.0],
                 Parameter::Cy => [0.0, 1.0],
-                Parameter::Lens(name) => {
-                    to_pixel(lens.coefficient_derivative([x, y], self.coefficient_index(lens, name)?))
-                }
+                Parameter::Lens(name) => to_pixel(lens.coefficient_derivative([x, y], coefficient_index(lens, name))),
                 Parameter::Rx => by_rotation(0),
                 Parameter::Ry => by_rotation(1),
                 Parameter::Rz => by_rotation(2),
                 Parameter::Tx => by_position([1.0, 0.0, 0.0]),
                 Parameter::Ty => by_position([0.0, 1.0, 0.0]),
                 Parameter::Tz => by_position([0.0, 0.0, 1.0]),
-                _ => return Err(self.not_a_parameter(parameter)),
+                _ => [f64::NAN; 2],
             };
         }
-        Ok(())
     }
 
     fn perturbed(&self, steps: impl IntoIterator<Item = (Parameter, f64)>) -> Result<Self, CameraError> {
@@ -89,7 +78,8 @@ impl Parametric for Pinhole {
                 Parameter::Cy => &mut centre[1],
                 Parameter::Lens(name) => {
                     lens_is_perturbed = true;
-                    &mut coefficients[self.coefficient_index(lens, name)?]
+                    let coefficient = coefficients.get_mut(coefficient_index(lens, name));
+                    coefficient.ok_or_else(|| not_a_parameter(self, parameter))?
                 }
                 Parameter::Rx => &mut rotation[0],
                 Parameter::Ry => &mut rotation[1],
@@ -97,7 +87,7 @@ impl Parametric for Pinhole {
                 Parameter::Tx => &mut translation[0],
                 Parameter::Ty => &mut translation[1],
                 Parameter::Tz => &mut translation[2],
-                _ => return Err(self.not_a_parameter(parameter)),
+                _ => return Err(not_a_parameter(self, parameter)),
             } += step;
         }
         let rotation = Rotation3::new(Vector3::from(rotation));

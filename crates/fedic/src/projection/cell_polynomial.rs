@@ -17,6 +17,10 @@ use crate::quadrature::monomials::{MONOMIALS, UP_TO_DEGREE};
 
 /// Largest number of cells fitted at once: their centres and check points fill one batch of projected points.
 pub(crate) const CELLS_AT_ONCE: usize = BATCH / (1 + MAX_CHECK_POINTS);
+/// Largest error of the polynomials in pixels, far below the noise of images. Following the pieces of a spline more closely is
+/// not worth the time.
+const SMOOTH_TOLERANCE: f64 = 1e-6;
+const PIECEWISE_TOLERANCE: f64 = 1e-4;
 /// Coefficients whose sum is below this, in pixels, are left out.
 const NEGLIGIBLE: f64 = 1e-6;
 /// Largest relative error of the Jacobian, which only weighs residuals; or this many times the precision of the camera, if larger.
@@ -52,7 +56,7 @@ pub(crate) fn fit_cells<'a, const D: usize>(
         each.for_each(|(polynomial, cell)| *polynomial = Draft::affine(cell, nodes, jacobian).to_single());
         return;
     }
-    let piecewise = camera.is_in_pieces();
+    let piecewise = camera.is_piecewise();
     let check_points_of =
         |basis: &'static PolynomialBasis| if accepted.is_some() { &[] } else { basis.check_points(piecewise) };
     let points = cells.take(CELLS_AT_ONCE).flat_map(|cell| {
@@ -62,7 +66,7 @@ pub(crate) fn fit_cells<'a, const D: usize>(
         shapes.map(move |shape| interpolate(shape, cell, nodes))
     });
     let projected = ProjectedPoints::new(camera, points);
-    let (precision, mut centre) = (camera.precision(), 0);
+    let (precision, mut centre) = (if piecewise { PIECEWISE_TOLERANCE } else { SMOOTH_TOLERANCE }, 0);
     for (index, (polynomial, cell)) in each.enumerate() {
         let basis = PolynomialBasis::of(cell.cell_type);
         let centre_pixel = projected.at(centre).pixel;
@@ -308,12 +312,11 @@ mod tests {
     /// A lens of waves of half a pixel, 350 px long, approximated by 16 intervals over 1400 px.
     fn wavy(inverse: bool) -> Pinhole {
         let wave = std::f64::consts::TAU * 8381.0 / 350.0;
-        let disworldment = |[x, y]: [f64; 2]| {
+        let displacement = |[x, y]: [f64; 2]| {
             let [u, v] = [wave * x + 0.3, 0.8 * wave * y];
             Some([u.sin() * v.cos(), u.cos() * v.sin()].map(|c| 0.5 / 8381.0 * c))
         };
-        let field =
-            SplineField::approximating([-0.084, -0.063, 0.084, 0.063], [16, 12], disworldment).unwrap().unwrap();
+        let field = SplineField::fit([-0.084, -0.063, 0.084, 0.063], [16, 12], displacement).unwrap().unwrap();
         let lens: Distortion = match inverse {
             true => InverseSplineDistortion::new(field).into(),
             false => SplineDistortion::new(field).into(),

@@ -57,11 +57,11 @@ use crate::self_calibration::specimen_images::SpecimenImages;
 ///     images: &images.each_ref().map(Image::view),
 ///     mesh: &rectangle_mesh([-60.0, -50.0, 60.0, 50.0], 10.0, CellType::Quad)?,
 ///     camera: &start,
-///     parameters: &[Parameter::K1],
+///     parameters: &[Parameter::Lens("k1")],
 ///     translations: &translations,
 /// };
 /// let found = calibrate_on_specimen(&input, &SelfCalibrationOptions::default())?;
-/// let k1 = found.camera.distortion().and_then(|lens| lens.brown()).map_or(0.0, |lens| lens.radial()[0]);
+/// let k1 = found.camera.distortion().and_then(|lens| lens.coefficient("k1")).unwrap_or(0.0);
 /// assert!(found.converged && (k1 + 0.2).abs() < 2e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -1,5 +1,7 @@
 //! Contribution of one quadrature point to the normal equations.
 
+use fedic_camera::Parametric;
+
 use crate::self_calibration::normal_equations::{CalibrationEquations, PointRows};
 use crate::self_calibration::problem::{Problem, State};
 

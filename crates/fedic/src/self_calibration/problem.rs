@@ -1,6 +1,6 @@
 //! Unknowns of a specimen calibration and their current values.
 
-use fedic_camera::{Camera, Parameter, Pinhole};
+use fedic_camera::{Camera, Parameter, Parametric, Pinhole};
 use fedic_mesh::Mesh;
 
 use crate::self_calibration::layout::Layout;
@@ -20,7 +20,8 @@ impl State {
     /// The state after a step of all unknowns; `None` if the step does not lead to a valid camera.
     pub(crate) fn perturbed(&self, problem: &Problem<'_>, step: &[f64]) -> Option<Self> {
         let layout = problem.layout();
-        let camera = self.camera.moved_by(problem.parameters, &step[..layout.parameters]).ok()?;
+        let steps = problem.parameters.iter().copied().zip(step.iter().copied());
+        let camera = self.camera.perturbed(steps).ok()?;
         let mut perturbed = Self { camera, ..self.clone() };
         for image in 1..layout.images {
             let (motion, brightness) = step[layout.block(image)].split_at(layout.motion);

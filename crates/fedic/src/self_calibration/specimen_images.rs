@@ -1,6 +1,6 @@
 //! Input of a specimen calibration.
 
-use fedic_camera::{Parameter, Pinhole};
+use fedic_camera::{Parameter, Parametric, Pinhole};
 use fedic_image::ImageView;
 use fedic_mesh::Mesh;
 
@@ -43,7 +43,7 @@ impl SpecimenImages<'_> {
         if parameters.is_empty() {
             return Err(SelfCalibrationError::Parameters { found: "got none".to_owned() }.into());
         }
-        camera.moved_by(parameters, &vec![0.0; parameters.len()])?;
+        camera.check_parameters(parameters)?;
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! Covariance of the unknowns, and checks that the images determine them.
 
+use fedic_camera::Parametric;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::error::self_calibration::{SelfCalibrationError, image_name};

@@ -16,7 +16,7 @@ use fedic_synthetic::Speckle;
 
 const SIZE: [usize; 2] = [150, 120];
 const PARAMETERS: [Parameter; 6] =
-    [Parameter::K1, Parameter::Cx, Parameter::Cy, Parameter::K2, Parameter::Rx, Parameter::Ry];
+    [Parameter::Lens("k1"), Parameter::Cx, Parameter::Cy, Parameter::Lens("k2"), Parameter::Rx, Parameter::Ry];
 /// In-plane motions: translation and rotation about the centre of the mesh.
 const MOTIONS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [24.3, -11.8, 0.05], [-12.6, 20.4, -0.03]];
 

@@ -49,11 +49,6 @@ impl InverseSplineDistortion {
         approximate(domain, tolerance, correction).map(Self::new)
     }
 
-    /// The correction `C`.
-    pub fn field(&self) -> &SplineField {
-        &self.field
-    }
-
     /// Corrects a distorted point, whether or not the model folds before it.
     #[inline]
     fn correct(&self, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -96,8 +91,8 @@ impl Lens for InverseSplineDistortion {
         Some(Domain { rectangle: self.field.domain(), plane: Plane::Distorted })
     }
 
-    fn is_piecewise(&self) -> bool {
-        true
+    fn field(&self) -> Option<&SplineField> {
+        Some(&self.field)
     }
 
     fn extended(&self) -> Self {

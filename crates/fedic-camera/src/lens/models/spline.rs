@@ -47,11 +47,6 @@ impl SplineDistortion {
         };
         approximate(domain, tolerance, displacement).map(Self::new)
     }
-
-    /// The displacement `S`.
-    pub fn field(&self) -> &SplineField {
-        &self.field
-    }
 }
 
 impl Lens for SplineDistortion {
@@ -77,8 +72,8 @@ impl Lens for SplineDistortion {
         Some(Domain { rectangle: self.field.domain(), plane: Plane::Undistorted })
     }
 
-    fn is_piecewise(&self) -> bool {
-        true
+    fn field(&self) -> Option<&SplineField> {
+        Some(&self.field)
     }
 
     fn extended(&self) -> Self {
