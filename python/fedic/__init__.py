@@ -14,20 +14,18 @@ the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from fedic import synthetic
+from fedic import _lenses, synthetic
 from fedic._core import (
     CELL_TYPES,
-    BrownDistortion,
     FrontParallel,
     ImageFrame,
-    InverseSplineDistortion,
     Mesh,
     MeshSet,
     Pinhole,
-    SplineDistortion,
     __version__,
     rectangle_mesh,
 )
+from fedic._lenses import *  # noqa: F403
 from fedic.correlation import Correlator, correlate
 from fedic.errors import (
     CalibrationWarning,
@@ -54,7 +52,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CELL_TYPES",
-    "BrownDistortion",
     "Calibration",
     "CalibrationWarning",
     "CameraError",
@@ -64,7 +61,6 @@ __all__ = [
     "FrontParallel",
     "ImageError",
     "ImageFrame",
-    "InverseSplineDistortion",
     "Iteration",
     "Mesh",
     "MeshError",
@@ -78,7 +74,6 @@ __all__ = [
     "Result",
     "SolveError",
     "SpecimenCalibration",
-    "SplineDistortion",
     "__version__",
     "boundary_features",
     "calibrate",
@@ -93,6 +88,7 @@ __all__ = [
     "unstructured_mesh",
     "write_camera",
 ]
+__all__ += _lenses.__all__
 
 _LAZY = {
     "Calibration": "calibration",

@@ -132,25 +132,25 @@ def test_cameras_can_be_pickled(camera: object) -> None:
         (lambda: fedic.Pinhole((1000, 1), (float("nan"), 0)), "principal_point is not finite"),
         (lambda: fedic.Pinhole((1, 1), (0, 0), translation=(0, 0, float("inf"))), "translation is not finite"),
         (lambda: fedic.Pinhole((1, 1), (0, 0), rotation=[float("nan"), 0, 0]), "rotation is not finite"),
-        (lambda: fedic.Pinhole((1, 1), (0, 0), rotation=np.diag([1, 1, -1])), "no rotation"),
+        (lambda: fedic.Pinhole((1, 1), (0, 0), rotation=np.diag([1, 1, -1])), "is not a rotation"),
         (
             lambda: fedic.Pinhole((1, 1), (0, 0), rotation=np.eye(4)),
             r"vector \(3,\) or a matrix \(3, 3\), got .*\[4, 4\]",
         ),
         (lambda: fedic.Pinhole((1, 1), (0, 0), skew_angle=0.0), "between 0 and pi; got 0"),
-        (lambda: fedic.BrownDistortion((float("nan"), 0, 0)), "radial distortion is not finite"),
+        (lambda: fedic.BrownDistortion((float("nan"), 0, 0)), "k1 is not finite"),
         (lambda: fedic.ImageFrame().project([[1.0, 2.0, 3.0, 4.0]]), r"points must have shape \(n, 2\) or \(n, 3\)"),
         (lambda: fedic.ImageFrame().project(["a"]), "points must be a 2-dimensional array of real numbers"),
     ],
 )
 def test_bad_camera_parameters_are_refused(make: object, message: str) -> None:
-    with pytest.raises(fedic.CameraError, match=message):
+    with pytest.raises((fedic.CameraError, fedic.OptionError), match=message):
         make()  # type: ignore[operator]
 
 
 def test_pixels_that_cannot_be_unprojected_are_counted() -> None:
     grazing = fedic.Pinhole((1000, 1000), (500, 500), rotation=[np.pi / 2, 0, 0], translation=(0, 0, 2))
-    message = r"1 of 2 pixels cannot be taken back to the plane Z = 1, the first of them number 1 at \(500, 700\)"
+    message = r"1 of 2 pixels see no point of the plane Z = 1, the first of them number 1 at \(500, 700\)"
     with pytest.raises(fedic.CameraError, match=message):
         grazing.unproject([[500.0, 300.0], [500.0, 700.0]], z=1.0)
 

@@ -49,7 +49,10 @@ impl IntoPyErr for ImageError {
 
 impl IntoPyErr for CameraError {
     fn into_py_err(self) -> PyErr {
-        camera_error(self.to_string())
+        match self {
+            Self::UnknownParameter { .. } | Self::NotAParameter { .. } => option_error(self.to_string(), "parameters"),
+            _ => camera_error(self.to_string()),
+        }
     }
 }
 

@@ -6,12 +6,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import BrownDistortion, FrontParallel, ImageFrame, InverseSplineDistortion, Pinhole, SplineDistortion
+from fedic._core import FrontParallel, ImageFrame, Pinhole
 
-__all__ = ["Camera", "CellName", "Distortion", "Floats", "Image", "StrPath"]
+__all__ = ["Camera", "CellName", "Floats", "Image", "StrPath"]
 
 Camera: TypeAlias = ImageFrame | FrontParallel | Pinhole
-Distortion: TypeAlias = BrownDistortion | SplineDistortion | InverseSplineDistortion
 CellName: TypeAlias = str
 """Name of a cell type, a key of `fedic.CELL_TYPES`."""
 Floats: TypeAlias = NDArray[np.float64]

@@ -4,11 +4,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
-from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, field_validator
+from pydantic import BeforeValidator, Field, ValidationError
 
-from fedic._core import BrownDistortion, FrontParallel, ImageFrame, InverseSplineDistortion, Pinhole, SplineDistortion
+from fedic._core import FrontParallel, ImageFrame, Pinhole
 from fedic._internal.sections import Positive, Real, Schema, Section, config_error
-from fedic._internal.types import Camera, Distortion
+from fedic._internal.types import Camera
+from fedic.cameras.lens_sections import LENS_SECTIONS, LensSection
 from fedic.errors import CameraError, ConfigError
 
 __all__ = [
@@ -41,7 +42,7 @@ class ImageFrameSection(Section):
     model: Literal["image-frame"]
 
     def build(self) -> Camera:
-        """Make the camera."""
+        """Create the camera."""
         return ImageFrame()
 
 
@@ -54,55 +55,8 @@ class FrontParallelSection(Section):
     angle: Real = 0.0
 
     def build(self) -> Camera:
-        """Make the camera."""
+        """Create the camera."""
         return FrontParallel(self.scale, self.origin, self.angle)
-
-
-class DistortionSection(Section):
-    """``[camera.distortion]``: the Brown-Conrady lens."""
-
-    model: Literal["brown"] = "brown"
-    radial: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
-    decentering: tuple[Real, Real] = (0.0, 0.0)
-    prism: tuple[Real, Real] = (0.0, 0.0)
-
-    def build(self) -> Distortion:
-        """Make the lens."""
-        return BrownDistortion(self.radial, self.decentering, self.prism)
-
-
-class SplineSection(Section):
-    """``[camera.distortion]``: a lens of any shape, as written by `fedic.write_camera`."""
-
-    model: Literal["spline", "inverse-spline"]
-    domain: tuple[Real, Real, Real, Real]
-    coefficients: list[list[tuple[Real, Real]]]
-
-    @field_validator("coefficients")
-    @classmethod
-    def _rectangular(cls, rows: list[list[tuple[float, float]]]) -> list[list[tuple[float, float]]]:
-        if len({len(row) for row in rows}) != 1:
-            raise ValueError("should have rows of equal length")
-        if len(rows) < 4 or len(rows[0]) < 4:
-            raise ValueError("should have at least 4 rows of 4 pairs, for one interval along each axis")
-        return rows
-
-    def build(self) -> Distortion:
-        """Make the lens."""
-        kind = SplineDistortion if self.model == "spline" else InverseSplineDistortion
-        return kind(self.domain, self.coefficients)
-
-
-def _lens_kind(value: object) -> str:
-    if isinstance(value, dict):
-        model = str(value.get("model", "brown"))
-        return "spline" if model in ("spline", "inverse-spline") else model
-    return "spline" if isinstance(value, SplineSection) else "brown"
-
-
-LensSection: TypeAlias = Annotated[
-    Annotated[DistortionSection, Tag("brown")] | Annotated[SplineSection, Tag("spline")], Discriminator(_lens_kind)
-]
 
 
 class PinholeSection(Section):
@@ -117,7 +71,7 @@ class PinholeSection(Section):
     distortion: LensSection | None = None
 
     def build(self) -> Camera:
-        """Make the camera."""
+        """Create the camera."""
         lens = self.distortion
         return Pinhole(
             self.focal,
@@ -134,12 +88,11 @@ CAMERA_SCHEMA = Schema(
         "camera.image-frame": ImageFrameSection,
         "camera.front-parallel": FrontParallelSection,
         "camera.pinhole": PinholeSection,
-        "camera.pinhole.distortion.brown": DistortionSection,
-        "camera.pinhole.distortion.spline": SplineSection,
+        **{f"camera.pinhole.distortion.{name}": section for name, section in LENS_SECTIONS.items()},
     },
     {
         "camera": ("image-frame", "front-parallel", "pinhole"),
-        "camera.pinhole.distortion": ("brown", "spline", "inverse-spline"),
+        "camera.pinhole.distortion": tuple(LENS_SECTIONS),
     },
 )
 """The sections of a camera, for error messages."""
@@ -150,7 +103,7 @@ class _CameraAlone(Section):
 
 
 def parse_camera(path: Path, content: dict[str, Any]) -> Camera:
-    """Make the camera that the keys of ``[camera]`` describe.
+    """Create the camera that the keys of ``[camera]`` describe.
 
     Parameters
     ----------
@@ -169,7 +122,7 @@ def parse_camera(path: Path, content: dict[str, Any]) -> Camera:
     ConfigError
         If a key is unknown, missing or wrong.
     CameraError
-        If the values are not those of a camera.
+        If the values are not valid for a camera.
     """
     if "file" in content:
         raise ConfigError(f"{path}: file names another camera file; this file should hold the camera itself.", "file")

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import BrownDistortion, Mesh, Pinhole
-from fedic._internal.types import Distortion, Floats
+from fedic._core import BrownDistortion, Distortion, Mesh, Pinhole
+from fedic._internal.types import Floats
 from fedic.progress import ProgressCallback
 from fedic.synthetic import Speckle, render
 

@@ -3,7 +3,7 @@
 use fedic::for_each_lens;
 use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple, PyType};
+use pyo3::types::{PyDict, PyMappingProxy, PyTuple, PyType};
 
 use super::coefficients::*;
 use super::distortion::Distortion;
@@ -71,7 +71,7 @@ macro_rules! define_registry {
                     lenses.set_item(summary.name, LensModel::new::<$lens>(py, summary)?)?;
                 }
             )+
-            module.add("LENSES", lenses)
+            module.add("LENSES", PyMappingProxy::new(py, lenses.as_mapping()))
         }
 
         /// A lens as an object of the class of its model.

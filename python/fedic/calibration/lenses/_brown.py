@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from fedic._core import BrownDistortion, Pinhole
-from fedic._internal.types import Distortion, Floats
+from fedic._core import BrownDistortion, Distortion, Pinhole
+from fedic._internal.types import Floats
 from fedic.errors import OptionError
 
 __all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]

@@ -13,8 +13,8 @@ from math import comb
 
 import numpy as np
 
-from fedic._core import InverseSplineDistortion, Pinhole, SplineDistortion, spline_basis
-from fedic._internal.types import Distortion, Floats
+from fedic._core import Distortion, InverseSplineDistortion, Pinhole, SplineDistortion, spline_basis
+from fedic._internal.types import Floats
 from fedic.errors import CameraError
 
 __all__ = ["SplineLens"]

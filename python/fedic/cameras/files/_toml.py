@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fedic._core import BrownDistortion, FrontParallel, ImageFrame, Pinhole, SplineDistortion
+from fedic._core import FrontParallel, ImageFrame, Pinhole
 from fedic._internal.sections import read_tables
-from fedic._internal.types import Camera, Distortion
+from fedic._internal.types import Camera
+from fedic.cameras.lens_sections import lens_table
 from fedic.cameras.schema import parse_camera
 from fedic.errors import CameraError, ConfigError
 from fedic.io.atomic import atomic_path
@@ -34,7 +35,7 @@ def write_toml(camera: Camera, path: Path, notes: Mapping[str, object]) -> None:
     text = _HEADER.format(name=path.name) + _lines(_content(path, camera))
     lens = camera.distortion if isinstance(camera, Pinhole) else None
     if lens is not None:
-        text += "\n[distortion]\n" + _lines(_lens(lens))
+        text += "\n[distortion]\n" + _lines(lens_table(lens))
     if notes:
         text += "\n# Uncertainty and origin, in pixels and radians; ignored on reading.\n[calibration]\n" + _lines(
             notes
@@ -59,16 +60,6 @@ def _content(path: Path, camera: Camera) -> dict[str, object]:
             "skew_angle": camera.skew_angle,
         }
     raise CameraError(f"{path}: a {type(camera).__name__} cannot be written as a camera.")
-
-
-def _lens(lens: Distortion) -> dict[str, object]:
-    if isinstance(lens, BrownDistortion):
-        return {"radial": list(lens.radial), "decentering": list(lens.decentering), "prism": list(lens.prism)}
-    return {
-        "model": "spline" if isinstance(lens, SplineDistortion) else "inverse-spline",
-        "domain": list(lens.domain),
-        "coefficients": lens.coefficients.tolist(),
-    }
 
 
 def _lines(content: Mapping[str, object]) -> str:
