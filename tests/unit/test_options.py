@@ -218,7 +218,7 @@ import numpy as np
 import fedic
 
 image = np.zeros((10, 10), np.uint8)
-mesh = fedic.rectangle_mesh((0, 0, 9, 9))
+mesh = fedic.rectangle_mesh((0, 0, 9, 9), 3.0)
 fedic.correlate(image, image, mesh, smoothing=0.5, brightness=None, quadrature=fedic.PixelQuadrature(), initial="fft")
 fedic.Correlator(image, mesh, regularization_length=None, interpolation="bicubic").correlate(image, initial="zero")
 fedic.correlate(image, image, mesh, smoothin=0.5)

@@ -209,3 +209,41 @@ def test_displacement_at_points_and_strains_of_cells(result: fedic.Result) -> No
     assert np.isnan(result.at([[0.0, 0.0]])).all()
     assert result.strains().shape == (result.mesh.num_cells, 3)
     np.testing.assert_allclose(result.strains(), 0.0, atol=5e-3)
+
+
+def test_render_moves_the_material_by_the_displacement() -> None:
+    texture, camera = fedic.synthetic.Speckle(5.0, seed=3), fedic.ImageFrame()
+    still = fedic.synthetic.render(texture, camera, (60, 80))
+    moved = fedic.synthetic.render(texture, camera, (60, 80), displacement=(7.0, 4.0))
+    np.testing.assert_array_equal(moved[4:, 7:], still[:-4, :-7])
+
+
+def test_render_inverts_a_displacement_field() -> None:
+    texture, camera = fedic.synthetic.Speckle(5.0, seed=3), fedic.ImageFrame()
+    constant = fedic.synthetic.render(texture, camera, (30, 40), displacement=(2.5, -1.0))
+    as_field = fedic.synthetic.render(
+        texture, camera, (30, 40), displacement=lambda points: np.tile((2.5, -1.0), (len(points), 1))
+    )
+    np.testing.assert_array_equal(constant, as_field)
+    stretched = fedic.synthetic.render(texture, camera, (30, 40), displacement=lambda points: 0.25 * points)
+    rendered = texture.values(np.array([[20.0, 12.0]]) / 1.25)
+    point = fedic.synthetic.render(
+        texture, camera, (30, 40), displacement=lambda points: 0.25 * points, supersampling=1
+    )
+    assert abs(point[12, 20] / 255.0 - (0.1 + 0.8 * rendered[0])) < 0.003
+    assert stretched.shape == (30, 40)
+    with pytest.raises(fedic.OptionError, match="could not be inverted"):
+        fedic.synthetic.render(texture, camera, (30, 40), displacement=lambda points: 2.0 * points)
+
+
+def test_render_applies_depth_noise_and_seed() -> None:
+    texture, camera = fedic.synthetic.Speckle(5.0), fedic.ImageFrame()
+    clean = fedic.synthetic.render(texture, camera, (100, 100), bits=12)
+    assert clean.dtype == np.uint16
+    assert 255 < clean.max() <= 4095
+    noisy = fedic.synthetic.render(texture, camera, (100, 100), bits=12, noise=10.0, seed=4)
+    assert np.std(noisy.astype(float) - clean) == pytest.approx(10.0, rel=0.05)
+    again = fedic.synthetic.render(texture, camera, (100, 100), bits=12, noise=10.0, seed=4)
+    np.testing.assert_array_equal(noisy, again)
+    with pytest.raises(fedic.OptionError, match="bits=10"):
+        fedic.synthetic.render(texture, camera, (10, 10), bits=10)  # type: ignore[arg-type]

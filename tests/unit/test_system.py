@@ -51,10 +51,10 @@ def test_first_step_agrees_with_a_dense_system(
     points, weights, _ = core.quadrature_points()
     shape = mesh.interpolate(np.eye(mesh.num_nodes), points)
     assert not np.isnan(shape).any()
-    f, gradient = (x.astype(float) for x in _core.interpolate_image(images[0], projector.project(points)))
+    f, gradient = (x.astype(float) for x in _core.interpolate_image(images[0], projector.project(points), "bspline3"))
     moved = points.copy()
     moved[:, :2] += shape @ start
-    g = _core.interpolate_image(images[1], projector.project(moved))[0].astype(float)
+    g = _core.interpolate_image(images[1], projector.project(moved), "bspline3")[0].astype(float)
 
     def mean(x: np.ndarray) -> float:
         return float(np.average(x, weights=weights))
@@ -88,13 +88,13 @@ def test_solution_agrees_with_a_dense_double_precision_solver(images: tuple[np.n
 
     points, weights, _ = core.quadrature_points()
     shape = mesh.interpolate(np.eye(mesh.num_nodes), points)
-    f, gradient = (x.astype(float) for x in _core.interpolate_image(reference, points[:, :2]))
+    f, gradient = (x.astype(float) for x in _core.interpolate_image(reference, points[:, :2], "bspline3"))
     operator = (shape[:, :, None] * gradient[:, None, :]).reshape(len(points), -1)
     matrix = operator.T @ (weights[:, None] * operator)
     spread = np.sqrt(np.cov(f, aweights=weights, ddof=0))
     expected = np.zeros((mesh.num_nodes, 2))
     for _ in range(40):
-        g = _core.interpolate_image(deformed, points[:, :2] + shape @ expected)[0].astype(float)
+        g = _core.interpolate_image(deformed, points[:, :2] + shape @ expected, "bspline3")[0].astype(float)
         gain = spread / np.sqrt(np.cov(g, aweights=weights, ddof=0))
         residual = f - np.average(f, weights=weights) - gain * (g - np.average(g, weights=weights))
         expected += np.linalg.solve(matrix, operator.T @ (weights * residual)).reshape(-1, 2)
