@@ -35,7 +35,7 @@ class CameraResult(ABC):
         FedicError
             If the suffix is another, or the file cannot be written.
         """
-        from fedic.plotting.figures import save_figure
+        from fedic.plotting.png_files import save_figure
 
         save_figure(self._figure(), Path(path))
 

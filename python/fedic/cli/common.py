@@ -66,7 +66,7 @@ def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bo
     FedicError
         If the picture cannot be written, is one of the images, or exists and `overwrite` is false.
     """
-    from fedic.plotting.figures import check_picture_path
+    from fedic.plotting.png_files import check_picture_path
 
     if picture is None:
         return

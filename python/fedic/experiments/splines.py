@@ -14,6 +14,7 @@ from fedic.demo.scene import FOCAL, HEIGHT, MILLIMETRES, PIXEL_MOTION, PRINCIPAL
 from fedic.experiments.option_sets import DEFAULT
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
 from fedic.experiments.reference_images import window_mesh
+from fedic.plotting.colour_maps import SIGNED
 from fedic.registration import register
 
 __all__ = ["run"]
@@ -236,7 +237,7 @@ def _figure(maps: dict[str, Floats]) -> Figure:
         limit = float(np.abs(field).max())
         picture = axes.imshow(
             field,
-            cmap="RdBu_r",
+            cmap=SIGNED,
             vmin=-limit,
             vmax=limit,
             extent=(left, WIDTH - 1.0 - BORDER, HEIGHT - 1.0 - BORDER, top),

@@ -6,6 +6,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from fedic._internal.types import Floats
+from fedic.plotting.colour_maps import COUNT
 
 __all__ = ["draw_residuals"]
 
@@ -56,7 +57,7 @@ def draw_residuals(
     edges = np.linspace(-0.5, width - 0.5, columns + 1), np.linspace(-0.5, height - 0.5, rows + 1)
     counts, *_ = np.histogram2d(pixels[used, 0], pixels[used, 1], bins=edges)
     covered = np.where(counts.T > 0.0, counts.T, np.nan)
-    drawn = axes.pcolormesh(*edges, covered, cmap="Blues", vmin=0.0, vmax=max(1.0, 2.0 * float(counts.max())))
+    drawn = axes.pcolormesh(*edges, covered, cmap=COUNT, vmin=0.0, vmax=max(1.0, 2.0 * float(counts.max())))
     axes.set_facecolor("mistyrose")
     figure.colorbar(
         drawn,

@@ -14,6 +14,7 @@ from fedic._core import CELL_TYPES, ImageFrame, Mesh
 from fedic._internal.choices import check_choice
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
+from fedic.plotting.colour_maps import IMAGE, SEQUENTIAL, SIGNED
 
 __all__ = ["draw_nodal_field", "plot_displacement", "plot_mesh", "plot_residual"]
 
@@ -40,7 +41,6 @@ class MeasuredField(Protocol):
         """Nodal displacements (n, 2) in pixels."""
 
 
-_SIGNED, _SEQUENTIAL = "RdBu_r", "viridis"
 _BACKDROP_SIDE = 2000
 _LONG_SIDE_INCHES = 7.0
 _MARGIN = 0.06
@@ -123,7 +123,7 @@ def plot_residual(residual: NDArray[np.float32]) -> Figure:
     reach = 3.0 * float(residual[inside].std()) or 1.0
     drawn = axes.imshow(
         residual[top:bottom:step, left:right:step],
-        cmap=_SIGNED,
+        cmap=SIGNED,
         vmin=-reach,
         vmax=reach,
         extent=_extent(limits),
@@ -197,7 +197,7 @@ def draw_nodal_field(
         all_values,
         triangles=triangles[np.isfinite(points[triangles]).all(axis=(1, 2))],
         shading="gouraud",
-        cmap=_SIGNED if low == -high else _SEQUENTIAL,
+        cmap=SIGNED if low == -high else SEQUENTIAL,
         norm=Normalize(low, high),
         alpha=alpha,
     )
@@ -268,7 +268,7 @@ def _image_figure(image: Image, pixels: Floats) -> tuple[Figure, Axes]:
         size = (max(1, round(crop.shape[1] / step)), max(1, round(crop.shape[0] / step)))
         crop = np.asarray(cv2.resize(crop, size, interpolation=cv2.INTER_AREA))
     figure, axes = _axes(limits)
-    axes.imshow(crop, cmap="gray", extent=_extent(limits))
+    axes.imshow(crop, cmap=IMAGE, extent=_extent(limits))
     axes.set_xlim(left - 0.5, right - 0.5)
     axes.set_ylim(bottom - 0.5, top - 0.5)
     axes.autoscale(False)

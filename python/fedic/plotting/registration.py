@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, Image
+from fedic.plotting.colour_maps import DISTANCE
 from fedic.plotting.fields import plot_mesh
 
 __all__ = ["draw_registration"]
@@ -66,7 +67,7 @@ def _draw_edges(figure: Figure, axes: Axes, pixels: Floats, distances: Floats, u
         pixels[used, 1],
         s=14,
         c=distances[used],
-        cmap="coolwarm",
+        cmap=DISTANCE,
         vmin=-limit,
         vmax=limit,
         edgecolors="black",
