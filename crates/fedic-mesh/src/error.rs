@@ -1,8 +1,10 @@
 //! Errors of this crate.
 
+use std::str::FromStr;
+
 use thiserror::Error;
 
-use crate::{CellType, Rule};
+use crate::CellType;
 
 /// A mesh that cannot be used. Variants name the cells or nodes at fault.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -94,12 +96,13 @@ pub enum MeshError {
     },
 }
 
-/// A name that is not a quadrature rule.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("unknown quadrature rule \"{name}\"; choose one of {}", Rule::ALL.map(|rule| format!("\"{}\"", rule.name())).join(", "))]
-pub struct UnknownRule {
-    /// The name given.
-    pub name: String,
+impl FromStr for CellType {
+    type Err = MeshError;
+
+    fn from_str(name: &str) -> Result<Self, MeshError> {
+        let found = Self::ALL.into_iter().find(|cell| cell.name() == name);
+        found.ok_or_else(|| MeshError::UnknownCellType { name: name.to_owned() })
+    }
 }
 
 /// Formats a list of indices for a sentence: "cells 3, 5, 8 and 40 more".

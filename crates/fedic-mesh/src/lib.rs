@@ -21,12 +21,12 @@ pub use cells::{
     CellData, CellType, CellVisitor, GmshElement, MAX_NODES, ReferenceDomain, shape_gradients, shape_values,
     shape_values_batch,
 };
-pub use error::{MeshError, UnknownRule, list_indices};
+pub use error::{MeshError, list_indices};
 pub use field::{SurfaceGradients, cell_areas, cell_strains, interpolate_field, surface_gradients};
 pub use isoparametric::{inverse_map, jacobian, map};
 pub use locate::Locator;
 pub use mesh::{Cell, Mesh, MeshSet};
 pub use pixels::pixels_in_polygon;
 pub use rectangle::rectangle_mesh;
-pub use rule::Rule;
+pub use rule::{Rule, UnknownRule};
 pub use subdivision::Subdivision;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::UnknownRule;
+use thiserror::Error;
 
 /// Rule that sets the number of quadrature points of a cell from its projection in the reference image.
 ///
@@ -44,4 +44,12 @@ impl FromStr for Rule {
     fn from_str(name: &str) -> Result<Self, UnknownRule> {
         Self::ALL.into_iter().find(|rule| rule.name() == name).ok_or_else(|| UnknownRule { name: name.to_owned() })
     }
+}
+
+/// A name that is not a quadrature rule.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("unknown quadrature rule \"{name}\"; choose one of {}", Rule::ALL.map(|rule| format!("\"{}\"", rule.name())).join(", "))]
+pub struct UnknownRule {
+    /// The name given.
+    pub name: String,
 }

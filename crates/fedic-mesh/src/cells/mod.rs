@@ -8,13 +8,10 @@ mod domain;
 mod shape;
 
 use std::fmt;
-use std::str::FromStr;
 
 pub use data::{CellData, GmshElement};
 pub use domain::ReferenceDomain;
 pub use shape::{shape_gradients, shape_values, shape_values_batch};
-
-use crate::MeshError;
 
 /// Declares the cell types: for each one its module, which holds `DATA`, `values` and `gradients`, and its variant.
 macro_rules! cell_types {
@@ -185,14 +182,5 @@ impl CellType {
 impl fmt::Display for CellType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for CellType {
-    type Err = MeshError;
-
-    fn from_str(name: &str) -> Result<Self, MeshError> {
-        let found = Self::ALL.into_iter().find(|cell| cell.name() == name);
-        found.ok_or_else(|| MeshError::UnknownCellType { name: name.to_owned() })
     }
 }

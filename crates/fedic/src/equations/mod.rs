@@ -1,6 +1,6 @@
 //! Normal equations of the nodal unknowns and the terms that they are the sum of.
 //!
-//! May import: quadrature, kernels, projection, interpolation, observation.
+//! May import: options, error, quadrature, kernels, projection, interpolation, observation.
 
 pub(crate) mod basis;
 pub(crate) mod dofs;

@@ -2,7 +2,7 @@
 //!
 //! An observation knows no solver: it takes part in the normal equations through an image term.
 //!
-//! May import: quadrature, kernels, projection, interpolation.
+//! May import: options, error, quadrature, kernels, projection, interpolation.
 
 pub(crate) mod cell_context;
 pub(crate) mod deformed_pass;

@@ -1,8 +1,9 @@
 //! Options of the correlation and of the specimen calibration, each declared once.
 //!
 //! A declaration gives the field, its type, default, range and documentation. The struct, its checks, its builder
-//! methods and the table of [`OptionInfo`], from which bindings and documents are made, follow from it. Imports nothing
-//! of the crate.
+//! methods and the table of [`OptionInfo`], from which bindings and documents are made, follow from it.
+//!
+//! May import: nothing of the other folders.
 
 mod choice;
 mod correlation;

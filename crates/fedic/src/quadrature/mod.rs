@@ -1,6 +1,6 @@
 //! Quadrature points of the cells, in reference coordinates, and the shape functions and monomials tabulated there.
 //!
-//! May import: nothing of the other folders.
+//! May import: options, error.
 
 pub(crate) mod cell_quadrature;
 pub(crate) mod monomials;

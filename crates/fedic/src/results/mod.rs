@@ -1,6 +1,6 @@
 //! Results: the solution, the covariance of the displacement, and the residual as an image.
 //!
-//! May import: quadrature, kernels, projection, interpolation, observation, equations.
+//! May import: options, error, quadrature, kernels, projection, interpolation, observation, equations.
 
 pub(crate) mod covariance;
 pub(crate) mod residual_map;

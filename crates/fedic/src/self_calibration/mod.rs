@@ -2,7 +2,7 @@
 //!
 //! Start at `calibrate.rs`, which states the problem; `solve.rs` runs the stages, `image_stack.rs` samples the images.
 //!
-//! May import: quadrature, projection, interpolation, observation, results.
+//! May import: options, error, quadrature, projection, interpolation, observation, results.
 
 pub(crate) mod calibrate;
 pub(crate) mod image_stack;

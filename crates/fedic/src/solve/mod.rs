@@ -1,6 +1,6 @@
 //! Minimisation of a sum of terms: Gauss-Newton iterations, bases of the displacement, and starts.
 //!
-//! May import: quadrature, kernels, projection, interpolation, observation, equations, results.
+//! May import: options, error, quadrature, kernels, projection, interpolation, observation, equations, results.
 
 pub(crate) mod basis;
 pub(crate) mod gauss_newton;

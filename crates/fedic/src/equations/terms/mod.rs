@@ -1,6 +1,6 @@
 //! Terms of the functional: the image term of each observation, and quadratic penalties.
 //!
-//! May import: quadrature, kernels, projection, interpolation, observation, equations.
+//! May import: options, error, quadrature, kernels, projection, interpolation, observation, equations.
 
 pub(crate) mod image;
 pub(crate) mod tikhonov;

@@ -1,6 +1,6 @@
 //! Bases of the displacement: every node, or a few parameters.
 //!
-//! May import: quadrature, kernels, projection, equations.
+//! May import: error, quadrature, kernels, projection, equations.
 
 pub(crate) mod modes;
 pub(crate) mod nodal;

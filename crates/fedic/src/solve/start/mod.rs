@@ -1,6 +1,6 @@
 //! Starting displacements: coarse to fine, and smooth fields.
 //!
-//! May import: quadrature, kernels, projection, interpolation, observation, equations, results, solve.
+//! May import: options, error, quadrature, kernels, projection, interpolation, observation, equations, results, solve.
 
 pub(crate) mod cell_subset;
 pub(crate) mod pyramid;
