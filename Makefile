@@ -44,9 +44,11 @@ check: build ## Check format, lints, types, stubs and documentation; warnings ar
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest fedic._core
 	$(BIN)/python tools/generate.py --check
+	$(BIN)/python tools/lens_stubs.py --check
 
-generate: build ## Write the files made from the declarations of options: types, names, docs/options.md.
+generate: build ## Write the files made from the declarations of options and lenses: types, stubs, docs/options.md.
 	$(BIN)/python tools/generate.py
+	$(BIN)/python tools/lens_stubs.py
 
 format: setup ## Format the sources.
 	cargo fmt --all
