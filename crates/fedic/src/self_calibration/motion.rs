@@ -73,7 +73,7 @@ impl Motion {
     }
 
     /// Translation and rotation vector.
-    pub(crate) fn to_array(&self) -> [f64; RIGID] {
+    pub(crate) fn to_array(self) -> [f64; RIGID] {
         let ([x, y, z], [rx, ry, rz]): ([f64; 3], [f64; 3]) =
             (self.translation.into(), self.rotation.scaled_axis().into());
         [x, y, z, rx, ry, rz]

@@ -111,7 +111,7 @@ pub(crate) fn solve(
         camera: state.camera,
         covariance: (0..np * np).map(|k| covariance[(k / np, k % np)]).collect(),
         sensitivities,
-        motions: state.motions[1..].iter().map(Motion::to_array).collect(),
+        motions: state.motions[1..].iter().map(|motion| motion.to_array()).collect(),
         motion_standard_deviations: (1..images.len()).map(motion_standard_deviations).collect(),
         history,
         converged,
