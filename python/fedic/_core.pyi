@@ -358,7 +358,7 @@ class Speckle:
     def values(self, points: ArrayLike) -> NDArray[np.float64]: ...
 
 def render_plane(
-    texture: Speckle,
+    texture: Any,
     camera: _Camera,
     shape: tuple[int, int],
     displacement: Callable[[NDArray[np.float64]], ArrayLike] | None = None,

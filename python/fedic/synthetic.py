@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import Literal, TypeAlias, overload
+from typing import Literal, Protocol, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +15,22 @@ from fedic.progress import ProgressCallback, fraction_callback
 
 __all__ = ["Speckle", "add_noise", "fourier_shift", "render"]
 
+
+class Texture(Protocol):
+    """A texture of the plane, such as `Speckle`."""
+
+    def values(self, points: Floats, /) -> Floats:
+        """Return the values in [0, 1] (n,) at points (n, 2)."""
+        ...
+
+
 Displacement: TypeAlias = tuple[float, float] | Callable[[Floats], Floats]
 
 _DEPTHS = (8, 12, 16)
 
 
 def render(
-    texture: Speckle,
+    texture: Texture,
     camera: Camera,
     shape: tuple[int, int],
     *,
@@ -45,7 +54,7 @@ def render(
 
     Parameters
     ----------
-    texture : Speckle
+    texture : Speckle, or any object with ``values(points)``
         Values in [0, 1] at the points ``(X, Y)`` of the material, in the world's unit.
     camera : ImageFrame, FrontParallel or Pinhole
         The camera.

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::sync::Mutex;
 
-use fedic_synthetic::{DisplacementField, Plane, Render, SyntheticError};
+use fedic_synthetic::{DisplacementField, Plane, Render, SyntheticError, Texture};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -102,11 +102,37 @@ impl DisplacementField for PlaneDisplacement {
     }
 }
 
+/// A Python object with a method ``values`` of points (n, 2). Its first exception is kept; the values are NaN from then on.
+struct PythonTexture<'a> {
+    texture: &'a Py<PyAny>,
+    error: &'a Mutex<Option<PyErr>>,
+}
+
+impl Texture for PythonTexture<'_> {
+    fn values(&self, points: &[[f64; 2]]) -> Vec<f64> {
+        let values = Python::attach(|py| {
+            let returned = self.texture.call_method1(py, "values", (to_array(py, points)?,))?;
+            let values: Vec<f64> = returned.bind(py).extract()?;
+            if values.len() == points.len() {
+                return Ok(values);
+            }
+            let message = format!("texture.values of {} points returned {} values", points.len(), values.len());
+            Err(option_error(message, "texture"))
+        });
+        values.unwrap_or_else(|error| {
+            if let Ok(mut slot) = self.error.lock() {
+                slot.get_or_insert(error);
+            }
+            vec![f64::NAN; points.len()]
+        })
+    }
+}
+
 /// Mean of a texture of the plane ``Z = z`` over each pixel of an image.
 ///
 /// Parameters
 /// ----------
-/// texture : Speckle
+/// texture : Speckle, or an object with a method ``values`` of points (n, 2)
 /// camera : ImageFrame, FrontParallel or Pinhole
 /// shape : (int, int)
 ///     Height and width of the image in pixels.
@@ -134,7 +160,7 @@ impl DisplacementField for PlaneDisplacement {
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn render_plane<'py>(
     py: Python<'py>,
-    texture: &Speckle,
+    texture: &Bound<'py, PyAny>,
     camera: &Bound<'py, PyAny>,
     shape: [usize; 2],
     displacement: Option<Py<PyAny>>,
@@ -145,6 +171,8 @@ pub(crate) fn render_plane<'py>(
     let camera = any_camera(camera)?;
     let [height, width] = shape;
     let displacement = displacement.map(PlaneDisplacement);
+    let speckle = texture.cast::<Speckle>().ok().map(|speckle| speckle.get().0);
+    let (other, failed) = (texture.clone().unbind(), Mutex::new(None));
     let interrupted = Mutex::new(None);
     // Functions of the caller run on its own thread; only the loops over points use others.
     let report = |fraction: f64| {
@@ -157,11 +185,16 @@ pub(crate) fn render_plane<'py>(
     let rendered = py.detach(|| {
         let render = Render::new(&*camera, [width, height]).with_samples(supersampling).with_progress(&report);
         let plane = Plane::horizontal(z)?;
+        let other = PythonTexture { texture: &other, error: &failed };
+        let texture: &dyn Texture = speckle.as_ref().map_or(&other, |speckle| speckle);
         match &displacement {
-            None => render.plane(&plane, &texture.0),
-            Some(displacement) => render.displaced_plane(&plane, &texture.0, displacement),
+            None => render.plane(&plane, texture),
+            Some(displacement) => render.displaced_plane(&plane, texture, displacement),
         }
     });
+    if let Ok(Some(error)) = failed.into_inner() {
+        return Err(error);
+    }
     match (rendered, interrupted.into_inner()) {
         (Err(SyntheticError::Cancelled), Ok(Some(error))) => Err(error),
         (rendered, _) => {
