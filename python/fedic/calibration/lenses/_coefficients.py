@@ -31,8 +31,8 @@ _BROWN_WORDS = {
 
 _WORDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "none": ("brown", ()),
-    **{name: (name, model.parameters) for name, model in LENSES.items() if model.parameters},
     **{word: ("brown", coefficients) for word, coefficients in _BROWN_WORDS.items()},
+    **{name: (name, model.parameters) for name, model in LENSES.items() if model.parameters and name != "brown"},
 }
 """Lens model and free coefficients of each name; the name of any other model frees all its coefficients."""
 
