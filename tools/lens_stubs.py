@@ -28,8 +28,9 @@ def coefficient_stub(name: str, model: LensModel) -> str:
     sizes = {group: len(coefficients) for group, coefficients in model.groups.items()}
     arguments = ""
     for group, size in sizes.items():
-        zeros = ", ".join(["0.0"] * size) + ("," if size == 1 else "")
-        arguments += f"        {group}: {tuple_of_floats(size)} = ({zeros}),\n"
+        # `inspect` drops the comma of a tuple of one from a text signature: its default cannot be compared.
+        zeros = f"({', '.join(['0.0'] * size)})" if size > 1 else "..."
+        arguments += f"        {group}: {tuple_of_floats(size)} = {zeros},\n"
     attributes = "".join(property_stub(group, tuple_of_floats(size)) for group, size in sizes.items())
     return f"    def __new__(\n        cls,\n{arguments}    ) -> {name}: ...\n{attributes}"
 

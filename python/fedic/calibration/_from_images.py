@@ -10,7 +10,7 @@ from fedic._internal.types import Image, StrPath
 from fedic.calibration._from_points import build_result, fit_or_explain
 from fedic.calibration._result import Calibration
 from fedic.calibration.detection import NotFoundError, find_target, refine_points
-from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
+from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
 from fedic.errors import CameraError, ImageError
@@ -74,7 +74,7 @@ def calibrate(
     if len(found) < 2:
         raise CameraError(_too_few(plan, names, faults))
     seen = [observations[index] for index in found]
-    first = fit_or_explain(lens if isinstance(lens, BrownLens) else BROWN, seen, image_size)
+    first = fit_or_explain(lens if isinstance(lens, CoefficientLens) else BROWN, seen, image_size)
     for place, index in enumerate(found):
         pose = first.estimate.rotations[place], first.estimate.translations[place]
         camera = first.lens.camera(first.estimate.intrinsics, *pose)

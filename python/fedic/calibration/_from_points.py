@@ -12,7 +12,7 @@ from fedic.calibration._adjustment.spline_fit import fit_spline
 from fedic.calibration._adjustment.start import initial_estimate
 from fedic.calibration._advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
 from fedic.calibration._result import Calibration, View
-from fedic.calibration.lenses import BROWN, BrownLens, parse_lens
+from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError, OptionError
 
@@ -81,12 +81,12 @@ def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observatio
     return Observation(where, at)
 
 
-def fit_or_explain(lens: BrownLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
+def fit_or_explain(lens: CoefficientLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
     """Fit a camera; if that fails, add the likely cause in the directions of the views to the message.
 
     Parameters
     ----------
-    lens : BrownLens or str
+    lens : CoefficientLens or str
         Lens model, or the name of a non-parametric one.
     seen : list of Observation
         One per view.

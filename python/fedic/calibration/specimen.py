@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fedic import _core
-from fedic._core import SPECIMEN_OPTIONS, BrownDistortion, Mesh, Pinhole
+from fedic._core import SPECIMEN_OPTIONS, Mesh, Pinhole
 from fedic._internal.determinacy import correlated_pairs, insignificant
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError, OptionError
@@ -31,7 +31,6 @@ _SMALL_MOTION = 0.1
 """Largest motion, relative to the shorter side of the image, below which advice is given."""
 _ONE_LINE = 0.1
 """Extent of the motions across their main direction, relative to that along it, below which advice is given."""
-_LENS = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +114,9 @@ def calibrate_on_specimen(
     camera : Pinhole
         Start; parameters that are not estimated, and the rest of the pose, are kept.
     parameters : sequence of str
-        Parameters to estimate: any of ``k1, k2, k3, d1, d2, p1, p2`` (see `BrownDistortion`), ``cx, cy, fx, fy``
-        (pixels), ``rx, ry, rz`` (rotation about the camera's axes, relative to the start) and ``tx, ty, tz``
-        (translation).
+        Parameters to estimate: coefficients of the lens (those of `BrownDistortion` if the camera has no lens), ``cx,
+        cy, fx, fy`` (pixels), ``rx, ry, rz`` (rotation about the camera's axes, relative to the start) and ``tx, ty,
+        tz`` (translation).
     translations : array_like of shape (n, 2), optional
         Translation of the specimen along ``X`` and ``Y`` in each image, in the mesh's unit, to a few pixels; by default
         found by cross-correlation.
@@ -276,8 +275,5 @@ def _advice_on_motions(found: _core.SelfCalibration, mesh: Mesh, size: tuple[int
 
 def _lens_coefficients(camera: Pinhole, names: tuple[str, ...]) -> dict[str, float]:
     """Return the values of those parameters that are coefficients of the lens."""
-    lens = camera.distortion
-    if not isinstance(lens, BrownDistortion):
-        return {}
-    values = dict(zip(_LENS, (*lens.radial, *lens.decentering, *lens.prism), strict=True))
+    values = {} if camera.distortion is None else camera.distortion.parameters
     return {name: values[name] for name in names if name in values}

@@ -8,11 +8,8 @@ tz``, the translation in the world's unit.
 from collections.abc import Sequence
 from typing import TypeAlias
 
-import numpy as np
-
 from fedic._core import FrontParallel, Pinhole
 from fedic._internal.types import Floats
-from fedic.cameras.poses import with_pose
 from fedic.errors import OptionError
 
 __all__ = ["Placeable", "free_parameters", "move", "placeable", "pose_jacobian", "similarity_parameters"]
@@ -91,32 +88,9 @@ def pose_jacobian(camera: Placeable, points: Floats, names: Sequence[str]) -> Fl
     ndarray, shape (n, 2, p)
         Derivatives in pixels per radian, pixel or unit.
     """
-    columns = {}
-    if isinstance(camera, FrontParallel):
-        right, down = (camera.project(points) - camera.origin).T
-        one, zero = np.ones_like(right), np.zeros_like(right)
-        columns = {"u0": (one, zero), "v0": (zero, one), "angle": (down, -right)}
-        columns["scale"] = (right / camera.scale, down / camera.scale)
-    else:
-        by_place = camera.jacobian(points) @ camera.rotation.T
-        arms = points @ camera.rotation.T
-        for axis, letter in enumerate("xyz"):
-            columns[f"t{letter}"] = tuple(by_place[:, :, axis].T)
-            turned = np.cross(np.eye(3)[axis], arms)
-            columns[f"r{letter}"] = tuple(np.einsum("nij,nj->in", by_place, turned))
-    return np.stack([np.stack(columns[name], axis=1) for name in names], axis=2)
+    return camera.parameter_jacobian(points, names)
 
 
 def move(camera: Placeable, names: Sequence[str], steps: Floats) -> Placeable:
     """Return the camera with its parameters changed by steps."""
-    by_name = dict(zip(names, (float(step) for step in steps), strict=True))
-    if isinstance(camera, FrontParallel):
-        u0, v0, angle, scale = (by_name.get(name, 0.0) for name in _FRONT_PARALLEL)
-        origin = (camera.origin[0] + u0, camera.origin[1] + v0)
-        return FrontParallel(camera.scale + scale, origin, camera.angle + angle)
-    import cv2
-
-    rx, ry, rz, dx, dy, dz = (by_name.get(name, 0.0) for name in _PINHOLE)
-    turn = np.asarray(cv2.Rodrigues(np.array([rx, ry, rz]))[0])
-    tx, ty, tz = camera.translation
-    return with_pose(camera, turn @ camera.rotation, np.array([tx + dx, ty + dy, tz + dz]))
+    return camera.perturbed(dict(zip(names, (float(step) for step in steps), strict=True)))

@@ -166,8 +166,6 @@ class Bundle:
     def _linearised(self, estimate: Estimate, view: int) -> tuple[Floats, Floats]:
         """Return the residuals (n, 2) of a view and the derivatives (n, 2, p + 6) of its projections."""
         seen = self._observations[view]
-        turned = seen.points @ estimate.rotations[view].T
-        positions = turned + estimate.translations[view]
-        pixels, of_values, of_position = self._lens.linearised(estimate.intrinsics, positions)
-        of_rotation = np.cross(turned[:, np.newaxis, :], of_position)
-        return seen.pixels - pixels, np.concatenate([of_values, of_rotation, of_position], axis=2)
+        rotation, translation = estimate.rotations[view], estimate.translations[view]
+        pixels, by_values, by_pose = self._lens.linearised(estimate.intrinsics, rotation, translation, seen.points)
+        return seen.pixels - pixels, np.concatenate([by_values, by_pose], axis=2)

@@ -1,6 +1,6 @@
 """Lens models that a calibration can fit."""
 
-from fedic.calibration.lenses._brown import BROWN, RADIAL, SPLINES, BrownLens, Lens, parse_lens
+from fedic.calibration.lenses._coefficients import BROWN, RADIAL, SPLINES, CoefficientLens, Lens, parse_lens
 from fedic.calibration.lenses._spline import SplineLens
 
-__all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "SplineLens", "parse_lens"]
+__all__ = ["BROWN", "RADIAL", "SPLINES", "CoefficientLens", "Lens", "SplineLens", "parse_lens"]

@@ -15,6 +15,7 @@ import numpy as np
 
 from fedic._core import Distortion, InverseSplineDistortion, Pinhole, SplineDistortion, spline_basis
 from fedic._internal.types import Floats
+from fedic.calibration.lenses._coefficients import POSE
 from fedic.errors import CameraError
 
 __all__ = ["SplineLens"]
@@ -149,28 +150,27 @@ class SplineLens:
         form[4:, 4:] = directions @ directions.T
         return form
 
-    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
-        """Project points of the camera frame, see `Lens.linearised`."""
+    def linearised(
+        self, values: Floats, rotation: Floats, translation: Floats, points: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Project points, with derivatives, see `Lens.linearised`."""
         fx, fy, cx, cy = values[:4]
-        along, across = self._coefficients(values)
-        depth = positions[:, 2:]
-        undistorted = positions[:, :2] / depth
-        basis, by_x, by_y = spline_basis(self.domain, self.intervals, undistorted)
-        field = np.column_stack([basis @ along, basis @ across])
-        seen = undistorted + field
-        slopes = np.eye(2) + np.stack(
-            [np.column_stack([by_x @ along, by_y @ along]), np.column_stack([by_x @ across, by_y @ across])], axis=1
-        )
-        slopes *= np.array([[fx], [fy]])
-        count = len(positions)
-        by_values = np.zeros((count, 2, self.size))
-        by_values[:, 0, 0], by_values[:, 1, 1] = seen.T
-        by_values[:, 0, 2] = by_values[:, 1, 3] = 1.0
+        count = len(points)
+        by_values = np.full((count, 2, self.size), np.nan)
+        try:
+            camera = self._camera(values, rotation, translation, self.distortion(values))
+        except CameraError:
+            return by_values[:, :, 0], by_values, by_values[:, :, :6]
+        jacobian = camera.parameter_jacobian(points, (*self.parameters, *POSE))
+        by_values[:, :, :4] = jacobian[:, :, :4]
+        by_values[:, :, 4:] = 0.0
+        positions = points @ rotation.T + translation
+        basis = spline_basis(self.domain, self.intervals, positions[:, :2] / positions[:, 2:])[0]
         by_values[:, 0, 4 : 4 + self._count] = fx * basis
         by_values[:, 1, 4 + self._count :] = fy * basis
-        of_depth = -np.einsum("nij,nj->ni", slopes, undistorted)[:, :, np.newaxis]
-        by_positions = np.concatenate([slopes, of_depth], axis=2) / depth[:, :, np.newaxis]
-        return seen * (fx, fy) + (cx, cy), by_values, by_positions
+        # Without skew, the derivatives with respect to the focal lengths are the distorted points.
+        distorted = np.column_stack([jacobian[:, 0, 0], jacobian[:, 1, 1]])
+        return distorted * (fx, fy) + (cx, cy), by_values, jacobian[:, :, 4:]
 
     def distortion(self, values: Floats) -> SplineDistortion:
         """Return the direct form of the lens for given values of the unknowns."""
@@ -180,7 +180,6 @@ class SplineLens:
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
         """Return the camera for given values of the unknowns and a pose."""
         fx, fy, cx, cy = (float(value) for value in values[:4])
-        tx, ty, tz = (float(value) for value in translation)
         lens: Distortion = self.distortion(values)
         if self.name == "inverse-spline":
             u0, v0, u1, v1 = self.image
@@ -192,6 +191,12 @@ class SplineLens:
                     f"The lens has no inverse all over the image ({fault}): add views where there are few points, or "
                     "use 'spline'."
                 ) from fault
+        return self._camera(values, rotation, translation, lens)
+
+    def _camera(self, values: Floats, rotation: Floats, translation: Floats, lens: Distortion) -> Pinhole:
+        """Return the camera for given values of the unknowns, a pose and a lens."""
+        fx, fy, cx, cy = (float(value) for value in values[:4])
+        tx, ty, tz = (float(value) for value in translation)
         return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
 
     def _coefficients(self, values: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Names of lens models, the interface of a lens that can be fitted, and the Brown-Conrady model."""
+"""Names of lens models, the interface of a lens that can be fitted, and the models of a few coefficients."""
 
 import re
 from collections.abc import Sequence
@@ -7,22 +7,19 @@ from typing import Protocol
 
 import numpy as np
 
-from fedic._core import BrownDistortion, Distortion, Pinhole
+from fedic._core import LENSES, Distortion, Pinhole
 from fedic._internal.types import Floats
-from fedic.errors import OptionError
+from fedic.errors import CameraError, OptionError
 
-__all__ = ["BROWN", "RADIAL", "SPLINES", "BrownLens", "Lens", "parse_lens"]
+__all__ = ["BROWN", "POSE", "RADIAL", "SPLINES", "CoefficientLens", "Lens", "parse_lens"]
 
-_COEFFICIENTS = {"k1": 0, "k2": 1, "d1": 2, "d2": 3, "k3": 4, "p1": 8, "p2": 10}
-"""Index of each coefficient among OpenCV's twelve: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4."""
+POSE = ("rx", "ry", "rz", "tx", "ty", "tz")
+"""Parameters of the pose of a `fedic.Pinhole`."""
 
-_ORDER = ("k1", "k2", "k3", "d1", "d2", "p1", "p2")
-
-SPLINES = ("spline", "inverse-spline")
+SPLINES = tuple(name for name, model in LENSES.items() if not model.parameters)
 """Names of the non-parametric models, see `fedic.calibration.lenses.SplineLens`."""
 
-_WORDS = {
-    "none": (),
+_BROWN_WORDS = {
     "radial1": ("k1",),
     "radial2": ("k1", "k2"),
     "radial3": ("k1", "k2", "k3"),
@@ -30,6 +27,14 @@ _WORDS = {
     "prism": ("p1", "p2"),
     "brown": ("k1", "k2", "k3", "d1", "d2"),
 }
+"""Parts of Brown's model and their coefficients."""
+
+_WORDS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "none": ("brown", ()),
+    **{word: ("brown", coefficients) for word, coefficients in _BROWN_WORDS.items()},
+    **{name: (name, model.parameters) for name, model in LENSES.items() if model.parameters and name != "brown"},
+}
+"""Lens model and free coefficients of each name; the name of any other model frees all its coefficients."""
 
 
 class Lens(Protocol):
@@ -62,21 +67,28 @@ class Lens(Protocol):
     def penalty(self) -> Floats | None:
         """Matrix (size, size) of a quadratic form of the unknowns that is added to the cost, or None."""
 
-    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
-        """Project points of the camera frame.
+    def linearised(
+        self, values: Floats, rotation: Floats, translation: Floats, points: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Project points, with derivatives; NaN if the values are not those of a camera.
 
         Parameters
         ----------
         values : ndarray, shape (size,)
             Values of the unknowns.
-        positions : ndarray, shape (n, 3)
-            Points in the camera frame.
+        rotation, translation : ndarray, shapes (3, 3) and (3,)
+            Pose of the camera.
+        points : ndarray, shape (n, 3)
+            World points.
 
         Returns
         -------
         pixels : ndarray, shape (n, 2)
+            Image points.
         by_values : ndarray, shape (n, 2, size)
-        by_positions : ndarray, shape (n, 2, 3)
+            Derivatives with respect to the unknowns.
+        by_pose : ndarray, shape (n, 2, 6)
+            Derivatives with respect to the pose, see `fedic.Pinhole.perturbed`.
         """
 
     def distortion(self, values: Floats) -> Distortion | None:
@@ -87,18 +99,21 @@ class Lens(Protocol):
 
 
 @dataclass(frozen=True)
-class BrownLens:
-    """A camera with a `fedic.BrownDistortion` of which some coefficients are free and the others zero.
+class CoefficientLens:
+    """A camera with a lens of a few coefficients, of which some are free and the others zero.
 
     Attributes
     ----------
     name : str
         Name, such as ``"radial1+prism"``.
+    model : str
+        Name of the lens model in `fedic._core.LENSES`.
     coefficients : tuple of str
-        Free coefficients among ``k1 k2 k3 d1 d2 p1 p2``, in this order.
+        Free coefficients, in the order of the model.
     """
 
     name: str
+    model: str
     coefficients: tuple[str, ...]
 
     @property
@@ -126,23 +141,26 @@ class BrownLens:
         """None: the coefficients are free."""
         return
 
-    def linearised(self, values: Floats, positions: Floats) -> tuple[Floats, Floats, Floats]:
-        """Project points of the camera frame, see `Lens.linearised`."""
-        import cv2
-
-        projected = cv2.projectPoints(positions, np.zeros(3), np.zeros(3), *self._matrices(values))
-        pixels, slopes = (np.asarray(part, dtype=np.float64) for part in projected)
-        slopes = slopes.reshape(len(positions), 2, -1)
-        chosen = [6, 7, 8, 9, *(10 + _COEFFICIENTS[name] for name in self.coefficients)]
-        return pixels.reshape(-1, 2), slopes[:, :, chosen], slopes[:, :, 3:6]
+    def linearised(
+        self, values: Floats, rotation: Floats, translation: Floats, points: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Project points, with derivatives, see `Lens.linearised`."""
+        try:
+            camera = self.camera(values, rotation, translation)
+        except CameraError:
+            count = len(points)
+            return tuple(np.full((count, 2, *rest), np.nan) for rest in ((), (self.size,), (6,)))  # type: ignore[return-value]
+        jacobian = camera.parameter_jacobian(points, (*self.parameters, *POSE))
+        return camera.project(points), jacobian[:, :, :-6], jacobian[:, :, -6:]
 
     def distortion(self, values: Floats) -> Distortion | None:
         """Return the distortion for given values of the unknowns; None if no coefficient is free."""
         if not self.coefficients:
             return None
         by_name = dict(zip(self.coefficients, (float(value) for value in values[4:]), strict=True))
-        k1, k2, k3, d1, d2, p1, p2 = (by_name.get(name, 0.0) for name in _ORDER)
-        return BrownDistortion((k1, k2, k3), (d1, d2), (p1, p2))
+        model = LENSES[self.model]
+        groups = {group: tuple(by_name.get(name, 0.0) for name in names) for group, names in model.groups.items()}
+        return model.lens(**groups)
 
     def camera(self, values: Floats, rotation: Floats, translation: Floats) -> Pinhole:
         """Return the camera for given values of the unknowns and a pose."""
@@ -151,19 +169,12 @@ class BrownLens:
         lens = self.distortion(values)
         return Pinhole((fx, fy), (cx, cy), rotation=rotation, translation=(tx, ty, tz), distortion=lens)
 
-    def _matrices(self, values: Floats) -> tuple[Floats, Floats]:
-        """Return the camera matrix and the twelve distortion coefficients of OpenCV."""
-        fx, fy, cx, cy = values[:4]
-        distortion = np.zeros(12)
-        distortion[[_COEFFICIENTS[name] for name in self.coefficients]] = values[4:]
-        return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]), distortion
 
-
-BROWN, RADIAL = (BrownLens(word, _WORDS[word]) for word in ("brown", "radial1"))
+BROWN, RADIAL = (CoefficientLens(word, *_WORDS[word]) for word in ("brown", "radial1"))
 """Models with five coefficients and with one."""
 
 
-def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
+def parse_lens(distortion: str | Sequence[str]) -> CoefficientLens | str:
     """Parse the name of a lens model.
 
     Parameters
@@ -171,11 +182,11 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
     distortion : str or sequence of str
         ``"spline"`` or ``"inverse-spline"``; or any of ``"none"``, ``"radial1"`` (k1), ``"radial2"`` (k1, k2),
         ``"radial3"`` (k1 to k3), ``"decentering"``, ``"prism"`` and ``"brown"`` (radial3 and decentering), joined by
-        ``+`` or in a sequence.
+        ``+`` or in a sequence; or the name of another model of `fedic._core.LENSES`, with all its coefficients.
 
     Returns
     -------
-    BrownLens or str
+    CoefficientLens or str
         The model, or the name of a non-parametric one.
 
     Raises
@@ -199,5 +210,12 @@ def parse_lens(distortion: str | Sequence[str]) -> BrownLens | str:
         )
     if words[0] in SPLINES:
         return words[0]
-    free = {name for word in words for name in _WORDS[word]}
-    return BrownLens("+".join(words), tuple(name for name in _ORDER if name in free))
+    models = {_WORDS[word][0] for word in words if word != "none"} or {"brown"}
+    if len(models) > 1:
+        raise OptionError(
+            f"distortion: {'+'.join(words)!r} combines the models {' and '.join(sorted(models))}; give one of them.",
+            "distortion",
+        )
+    (model,) = models
+    free = {name for word in words for name in _WORDS[word][1]}
+    return CoefficientLens("+".join(words), model, tuple(name for name in LENSES[model].parameters if name in free))
