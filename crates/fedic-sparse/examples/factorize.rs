@@ -6,7 +6,7 @@
 //! coordinates per node) and `cells.u32` (nodes per cell, then the nodes of each cell). The matrix is written there for
 //! other solvers: `starts.i32`, `rows.i32`, `values.f64`, the lower triangle by columns.
 
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::panic, clippy::unwrap_used, missing_docs)]
 
 mod common;
 
