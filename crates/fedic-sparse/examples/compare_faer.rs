@@ -7,7 +7,7 @@
 //! given the elimination order found by nested dissection and its supernodal factorization is forced. Runs alternate
 //! between the two, times are medians, and a ratio is the median over the pairs (above 1: this crate needs less).
 
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::panic, clippy::unwrap_used, missing_docs)]
 
 mod common;
 

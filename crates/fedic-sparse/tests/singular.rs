@@ -1,6 +1,6 @@
 //! Singular matrices: every undetermined degree of freedom is named.
 
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::panic, clippy::unwrap_used, missing_docs)]
 
 mod common;
 

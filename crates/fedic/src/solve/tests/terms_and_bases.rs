@@ -53,7 +53,7 @@ fn stereo_cameras() -> [Pinhole; 2] {
 /// Images of a textured plane by one camera, before and after a motion.
 fn images_of(camera: &Pinhole, plane: &Plane, motion: &RigidMotion) -> [Image; 2] {
     let speckle = Speckle::new(2.0, 0.5, 5).unwrap();
-    [plane.clone(), plane.moved(motion)].map(|plane| {
+    [*plane, plane.moved(motion)].map(|plane| {
         let rendering = Render::new(camera, [210, 180]).plane(&plane, &speckle).unwrap();
         let greys = rendering.values().iter().map(|value| (35.0 + 180.0 * value) as f32).collect();
         Image::new(210, 180, greys).unwrap()
