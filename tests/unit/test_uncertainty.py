@@ -52,7 +52,7 @@ def dense_deviations(
         smooth = ndimage.gaussian_filter(image, smoothing, mode="mirror", truncate=4)
 
     def rows(read: np.ndarray) -> np.ndarray:
-        gradient = _core.interpolate_image(read, camera.project(points), smoothing=smoothing)[1]  # type: ignore[attr-defined]
+        gradient = _core.interpolate_image(read, camera.project(points), "bspline3", smoothing=smoothing)[1]  # type: ignore[attr-defined]
         q = np.einsum("nij,ni->nj", jacobian[:, :, :2], gradient.astype(float))
         return (shape[:, :, None] * q[:, None, :]).reshape(len(points), -1)
 
