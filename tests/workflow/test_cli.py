@@ -26,6 +26,7 @@ CONFIG = """\
 reference = "reference.png"
 deformed = ["moved.png", "reference.png"]
 [mesh.rectangle]
+size = 20.0
 bounds = [30, 30, 170, 130]
 [output]
 folder = "out"

@@ -85,7 +85,7 @@ class TestTarget:
             (
                 {"target_origin": None, "features": ["hole 0", "right"], "free": ["tx", "ty"]},
                 fedic.OptionError,
-                "determines all of rx ry rz tx ty tz",
+                "needs all of rx ry rz tx ty tz to be free",
             ),
         ],
     )

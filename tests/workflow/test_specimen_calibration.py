@@ -266,7 +266,7 @@ def test_advice_names_undetermined_parameters(frames: list[NDArray[np.float32]])
         ({"parameters": ("k1", "fx", "fy")}, fedic.SolveError, "fix fx, fy and tz, or give the true translations"),
         ({"parameters": ("k1", "cx", "d2")}, fedic.SolveError, "do not tell cx, d2 apart"),
         ({"parameters": ("tx",)}, fedic.SolveError, "no image shows where the specimen is in its plane"),
-        ({"motion": "any"}, fedic.OptionError, 'motion must be "translation", "in-plane" or "spatial", got "any"'),
+        ({"motion": "any"}, fedic.OptionError, """motion must be "translation", "in-plane" or "spatial", got 'any'"""),
         ({"translations": [(0, 0)]}, fedic.OptionError, r"each of the 3 images, shape \(3, 2\); got shape \(1, 2\)"),
         ({"known_translations": True}, fedic.OptionError, "known_translations needs the translations"),
         ({"noise": -1.0}, fedic.OptionError, "noise must be zero or a positive"),

@@ -56,7 +56,9 @@ def undetermined(names: Sequence[str], jacobian: Floats) -> list[str]:
     return [name for name, parts in zip(names, hidden.T, strict=True) if len(parts) and parts.max() > _NAMED]
 
 
-def correlated_pairs(names: Sequence[str], covariance: Floats) -> Iterator[tuple[str, str, float]]:
+def correlated_pairs(
+    names: Sequence[str], covariance: Floats, *, at_least: float = _LARGEST_CORRELATION
+) -> Iterator[tuple[str, str, float]]:
     """Yield the pairs of parameters that can hardly be told apart, the strongest correlation first.
 
     Parameters
@@ -65,15 +67,17 @@ def correlated_pairs(names: Sequence[str], covariance: Floats) -> Iterator[tuple
         The parameters.
     covariance : ndarray, shape (p, p)
         Their covariance.
+    at_least : float
+        Smallest absolute value of a correlation that is yielded.
 
     Yields
     ------
     (str, str, float)
-        Two parameters and their correlation, of at least 0.998 in absolute value.
+        Two parameters and their correlation.
     """
     deviations = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(deviations, deviations)
-    strong = [pair for pair in combinations(range(len(names)), 2) if abs(correlation[pair]) >= _LARGEST_CORRELATION]
+    strong = [pair for pair in combinations(range(len(names)), 2) if abs(correlation[pair]) >= at_least]
     for row, column in sorted(strong, key=lambda pair: -abs(correlation[pair])):
         yield names[row], names[column], float(correlation[row, column])
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from fedic.options import SpecimenOptions
 
+_LARGEST_CORRELATION = 0.98
+"""Correlation from which on two parameters are reported: few images determine them less well than views of a target."""
 __all__ = ["SpecimenCalibration", "calibrate_on_specimen"]
 
 _LARGEST_DISPLACEMENT = 0.01
@@ -251,7 +253,7 @@ def _advice(found: _core.SelfCalibration, names: tuple[str, ...], mesh: Mesh, si
     advice += [
         f"{first} and {second} are correlated by {correlation:.3f}: their values mean little one by one; find fewer "
         "parameters, or move the specimen further."
-        for first, second, correlation in correlated_pairs(names, found.covariance)
+        for first, second, correlation in correlated_pairs(names, found.covariance, at_least=_LARGEST_CORRELATION)
     ]
     return advice + _advice_on_motions(found, mesh, size)
 
