@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
     from fedic.options import SpecimenOptions
 
-_LARGEST_CORRELATION = 0.98
-"""Correlation from which on two parameters are reported: few images determine them less well than views of a target."""
 __all__ = ["SpecimenCalibration", "calibrate_on_specimen"]
 
+_LARGEST_CORRELATION = 0.98
+"""Correlation from which on two parameters are reported: few images determine them less well than views of a target."""
 _LARGEST_DISPLACEMENT = 0.01
 """Displacement of a point by a standard deviation of a parameter, in image diagonals, from which advice is given."""
 _SMALL_MOTION = 0.1
