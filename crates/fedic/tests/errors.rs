@@ -192,7 +192,7 @@ fn a_start_of_the_wrong_length_or_not_finite_is_refused() {
     let [reference, deformed] = images();
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
     let start = |field: &[[f64; 2]]| correlator.correlate(deformed.view(), Start::Field(field)).unwrap_err();
-    let words = "the initial displacement must have one finite pair of components per node (9 nodes): ";
+    let words = "the initial displacement must have one finite value per component and node (9 nodes): ";
     let error = start(&[[0.0; 2]; 8]);
     let found = "8 entries were given".to_owned();
     assert_eq!(error, Error::Solve(SolveError::InvalidStart { expected: 9, found }));
