@@ -280,4 +280,4 @@ def test_the_command_line_refuses_an_output_format_before_calibrating(tmp_path: 
     options = ["--target", "chessboard:5x4:8", "--distortion", "spline", "--output", output]
     found = CliRunner().invoke(app, ["calibrate", views, *options])
     assert found.exit_code == 2
-    assert "only a .toml file holds a lens made of a spline; give --output camera.toml" in found.output
+    assert "only a .toml file can hold a spline lens; give --output camera.toml" in found.output

@@ -23,6 +23,8 @@ _LARGEST_DAMPING = 1e12
 _SMALLEST_DAMPING = 1e-12
 _SMALLEST_RATIO = 1e-9
 """Singular values, relative to the largest, below which directions are left out of a dense solution."""
+_ROUNDING = 1e-13
+"""Decrease of the cost, relative to the cost, below which rounding may hide it."""
 _TINY = float(np.finfo(np.float64).tiny)
 
 
@@ -120,7 +122,7 @@ def minimize(
         Length of the Gauss-Newton step below which the minimum is reached.
     immaterial : float
         Length of the Gauss-Newton step below which the minimum is reached where a step does not lower the cost: the
-        rest is rounding.
+        rest is rounding. So is a step that should lower the cost by less than 1e-13 of it.
     noise : float, optional
         Standard deviation of a residual; by default estimated from the cost.
     freedom : int
@@ -152,7 +154,7 @@ def minimize(
         if trial is not None and problem.cost(trial) < equations.cost:
             estimate, damping = trial, max(damping / 10.0, _SMALLEST_DAMPING)
             equations = problem.linearize(estimate)
-        elif length <= immaterial:
+        elif length <= immaterial or squared <= _ROUNDING * equations.cost:
             return Minimum(estimate, converged=True)
         else:
             damping *= 10.0
