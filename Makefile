@@ -32,7 +32,7 @@ test-rust:
 	cargo test --quiet $(CARGO_TEST)
 
 test-python: build
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 check: build ## Check format, lints, types, stubs and documentation; warnings are errors.
 	cargo fmt --all --check
