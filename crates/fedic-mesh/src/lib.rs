@@ -1,7 +1,7 @@
 //! Surface meshes for finite-element digital image correlation.
 //!
 //! Cell types and their shape functions ([`CellType`]), meshes ([`Mesh`]), the isoparametric map and its inverse, fields on a
-//! mesh ([`cell_strains`], [`cell_areas`], [`interpolate_field`]) and the two families of quadrature points: sub-cells of a
+//! mesh ([`StrainField`], [`cell_areas`], [`interpolate_field`]) and the two families of quadrature points: sub-cells of a
 //! cell ([`Subdivision`]) and pixels inside it ([`pixels_in_polygon`]). Nothing here depends on cameras or images.
 //!
 //! Reference domains: the triangle `(0,0) (1,0) (0,1)` and the square `[-1, 1]^2`; node order is meshio's.
@@ -22,7 +22,10 @@ pub use cells::{
     shape_values_batch,
 };
 pub use error::{MeshError, list_indices};
-pub use field::{SurfaceGradients, cell_areas, cell_strains, interpolate_field, surface_gradients};
+pub use field::{
+    StrainAxes, StrainField, StrainMeasure, SurfaceGradients, SurfaceStrain, UnknownStrainMeasure, cell_areas,
+    interpolate_field, surface_gradients,
+};
 pub use isoparametric::{inverse_map, jacobian, map};
 pub use locate::Locator;
 pub use mesh::{Cell, Mesh, MeshSet};

@@ -6,7 +6,8 @@ mod common;
 
 use common::{Random, jittered_mesh};
 use fedic_mesh::{
-    CellType, Mesh, cell_areas, cell_strains, jacobian, map, rectangle_mesh, shape_gradients, surface_gradients,
+    CellType, Mesh, StrainField, StrainMeasure, cell_areas, jacobian, map, rectangle_mesh, shape_gradients,
+    surface_gradients,
 };
 use proptest::prelude::*;
 
@@ -43,6 +44,11 @@ fn rotation(random: &mut Random) -> Matrix {
             ];
         }
     }
+}
+
+fn cell_strains<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<Vector> {
+    let strains = StrainField::new(mesh, displacement, StrainMeasure::Small).at_cells();
+    strains.into_iter().map(|strain| strain.components).collect()
 }
 
 fn with_points(mesh: &Mesh, points: Vec<Vector>) -> Mesh {

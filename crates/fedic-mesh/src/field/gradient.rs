@@ -52,7 +52,7 @@ impl SurfaceGradients {
     }
 }
 
-fn local_axes(normal: [f64; 3]) -> [[f64; 3]; 3] {
+pub(super) fn local_axes(normal: [f64; 3]) -> [[f64; 3]; 3] {
     let normal = normalized(normal);
     let projected = |axis: usize| {
         let mut projection = normal.map(|c| -normal[axis] * c);

@@ -1,0 +1,106 @@
+//! Strain measures as functions of the displacement gradient.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+/// Strain measure of the reference configuration.
+///
+/// `H` is the gradient of the displacement along the surface, `F = I + H` the deformation gradient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum StrainMeasure {
+    /// Green-Lagrange strain `E = (F^T F - I) / 2`: zero under any rigid motion.
+    #[default]
+    GreenLagrange,
+    /// Hencky (logarithmic) strain of the right stretch tensor, `ln U = ln(F^T F) / 2`: zero under any rigid motion.
+    Hencky,
+    /// Small (infinitesimal) strain `(H + H^T) / 2`: a rotation by an angle `a` adds `cos(a) - 1` to both normal strains.
+    Small,
+}
+
+impl StrainMeasure {
+    /// Every measure.
+    pub const ALL: [Self; 3] = [Self::GreenLagrange, Self::Hencky, Self::Small];
+
+    /// Names of the measures, in the order of [`StrainMeasure::ALL`].
+    pub const NAMES: [&str; 3] = [Self::GreenLagrange.name(), Self::Hencky.name(), Self::Small.name()];
+
+    /// Name of the measure.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::GreenLagrange => "green-lagrange",
+            Self::Hencky => "hencky",
+            Self::Small => "small",
+        }
+    }
+
+    /// Strain `[e_11, e_22, e_12]` of a displacement gradient: tension positive, shear as the tensor component.
+    ///
+    /// Row `a`, column `b` of `gradient` is the derivative of component `a` with respect to the position along axis `b`; the
+    /// third component is normal to the surface. The Hencky strain is not finite if the surface is compressed to a line.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fedic_mesh::StrainMeasure;
+    /// // Rotation by 90 degrees.
+    /// let gradient = [[-1.0, -1.0], [1.0, -1.0], [0.0, 0.0]];
+    /// assert_eq!(StrainMeasure::GreenLagrange.of_gradient(&gradient), [0.0, 0.0, 0.0]);
+    /// assert_eq!(StrainMeasure::Small.of_gradient(&gradient), [-1.0, -1.0, 0.0]);
+    /// ```
+    pub fn of_gradient(self, gradient: &[[f64; 2]; 3]) -> [f64; 3] {
+        let [x, y, _] = gradient;
+        let small = [x[0], y[1], 0.5 * (x[1] + y[0])];
+        match self {
+            Self::Small => small,
+            Self::GreenLagrange => green_lagrange(small, gradient),
+            Self::Hencky => hencky(green_lagrange(small, gradient)),
+        }
+    }
+}
+
+/// Green-Lagrange strain `(H + H^T + H^T H) / 2`, without the cancellation of `F^T F - I`.
+fn green_lagrange(small: [f64; 3], gradient: &[[f64; 2]; 3]) -> [f64; 3] {
+    let product = |a: usize, b: usize| gradient.iter().map(|row| row[a] * row[b]).sum::<f64>();
+    [small[0] + 0.5 * product(0, 0), small[1] + 0.5 * product(1, 1), small[2] + 0.5 * product(0, 1)]
+}
+
+/// Hencky strain `ln(I + 2 E) / 2` of the Green-Lagrange strain `E`, which has the same principal directions.
+fn hencky([e11, e22, e12]: [f64; 3]) -> [f64; 3] {
+    let (mean, half_difference) = (0.5 * (e11 + e22), 0.5 * (e11 - e22));
+    let radius = half_difference.hypot(e12);
+    let second = mean - radius;
+    // Half the difference of the two logarithms; the ratio to `radius` has the limit 1 / (1 + 2 E) for equal strains.
+    let log_radius = 0.25 * (4.0 * radius / (1.0 + 2.0 * second)).ln_1p();
+    let log_mean = 0.5 * (2.0 * second).ln_1p() + log_radius;
+    let ratio = if radius > 0.0 { log_radius / radius } else { 0.0 };
+    [log_mean + ratio * half_difference, log_mean - ratio * half_difference, ratio * e12]
+}
+
+impl fmt::Display for StrainMeasure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for StrainMeasure {
+    type Err = UnknownStrainMeasure;
+
+    fn from_str(name: &str) -> Result<Self, UnknownStrainMeasure> {
+        let found = Self::ALL.into_iter().find(|measure| measure.name() == name);
+        found.ok_or_else(|| UnknownStrainMeasure { name: name.to_owned() })
+    }
+}
+
+/// A name that is not a strain measure.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error(
+    "unknown strain measure \"{name}\"; choose one of {}",
+    StrainMeasure::NAMES.map(|name| format!("\"{name}\"")).join(", ")
+)]
+pub struct UnknownStrainMeasure {
+    /// The name given.
+    pub name: String,
+}
