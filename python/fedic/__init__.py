@@ -8,7 +8,8 @@ the mesh's own unit, out:
 >>> result = fedic.correlate(reference, deformed, mesh)  # doctest: +SKIP
 
 Conventions: an image point is ``(u, v)``, ``u`` the column to the right and ``v`` the row downwards, with the centre of
-the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are positive in tension.
+the top-left pixel at ``(0, 0)``; a NumPy image is ``image[v, u]``. Strains are Green-Lagrange
+strains unless another measure is asked for, positive in tension.
 """
 
 from importlib import import_module
@@ -42,7 +43,7 @@ from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
-from fedic.result import Iteration, Result
+from fedic.results import Iteration, Result, Strains
 
 if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
@@ -74,6 +75,7 @@ __all__ = [
     "Result",
     "SolveError",
     "SpecimenCalibration",
+    "Strains",
     "__version__",
     "boundary_features",
     "calibrate",

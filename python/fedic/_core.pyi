@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
+from fedic.results.strains import StrainAxes, StrainMeasure, Strains
+
 __all__ = [
     "CELL_TYPES",
     "CORRELATION_OPTIONS",
     "INTERPOLATIONS",
     "LENSES",
     "SPECIMEN_OPTIONS",
+    "STRAIN_MEASURES",
     "CellType",
     "Correlator",
     "Distortion",
@@ -39,6 +42,7 @@ __all__ = [
 
 __version__: str
 INTERPOLATIONS: tuple[str, ...]
+STRAIN_MEASURES: tuple[str, ...]
 
 _Image = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
 
@@ -105,7 +109,16 @@ class Mesh:
     def flipped_cells(self) -> NDArray[np.int64]: ...
     def areas(self) -> NDArray[np.float64]: ...
     def outlines(self) -> list[NDArray[np.int64]]: ...
-    def strains(self, displacement: ArrayLike) -> NDArray[np.float64]: ...
+    def strains(
+        self,
+        displacement: ArrayLike,
+        measure: StrainMeasure = "green-lagrange",
+        at: Literal["cells", "nodes"] | ArrayLike | None = None,
+        axes: StrainAxes | None = None,
+        *,
+        centre: ArrayLike | None = None,
+        valid_cells: ArrayLike | None = None,
+    ) -> Strains: ...
     def interpolate(self, nodal: ArrayLike, points: ArrayLike) -> NDArray[np.float64]: ...
 
 def rectangle_mesh(bounds: tuple[float, float, float, float], size: float, cell: str = "quad") -> Mesh: ...

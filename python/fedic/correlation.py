@@ -18,7 +18,7 @@ from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
-from fedic.result import Iteration, Result
+from fedic.results import Iteration, Result
 from fedic.starts.fft import initial_translation
 
 if TYPE_CHECKING:

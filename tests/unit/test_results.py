@@ -163,8 +163,8 @@ def test_mesh_files_contain_the_fields(result: fedic.Result, tmp_path: Path, suf
     for name, field in (("displacement", result.displacement), ("displacement_px", result.pixel_displacement)):
         np.testing.assert_array_equal(read.point_data[name][:, :2], field)
         np.testing.assert_array_equal(read.point_data[name][:, 2], 0.0)
-    for name, field in zip(("strain_xx", "strain_yy", "strain_xy"), result.strains().T, strict=True):
-        np.testing.assert_array_equal(read.cell_data[name][0], field)
+    for name, field in zip(("xx", "yy", "xy"), result.strains().components.T, strict=True):
+        np.testing.assert_array_equal(read.cell_data[f"green_lagrange_strain_{name}"][0], field)
     np.testing.assert_array_equal(read.cell_data["residual"][0], result.cell_residuals)
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
 

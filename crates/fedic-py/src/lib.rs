@@ -11,6 +11,7 @@ mod mesh;
 mod mesh_set;
 mod options;
 mod self_calibration;
+mod strains;
 mod synthetic;
 mod worker;
 
@@ -50,6 +51,7 @@ mod _core {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::cell_type::add_cell_types(module)?;
         module.add("INTERPOLATIONS", PyTuple::new(module.py(), fedic::Interpolation::NAMES)?)?;
+        module.add("STRAIN_MEASURES", PyTuple::new(module.py(), fedic::StrainMeasure::NAMES)?)?;
         crate::lens::register(module)?;
         crate::options::add_tables(module)
     }

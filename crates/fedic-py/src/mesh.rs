@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use fedic::{CellType, MeshError, cell_areas, cell_strains, interpolate_field, rotation_from_vector};
+use fedic::{CellType, MeshError, cell_areas, interpolate_field, rotation_from_vector};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyTuple};
@@ -10,6 +10,7 @@ use pyo3::types::{PyDict, PyMapping, PyTuple};
 use crate::arrays::{self, indices, matrix, rows, to_array};
 use crate::errors::{IntoPyErr, argument_error, mesh_error, option_error};
 use crate::mesh_set;
+use crate::strains::{self, StrainQuery};
 use crate::worker::run;
 
 /// A surface mesh, plane or in space.
@@ -257,34 +258,65 @@ impl Mesh {
         blocks.into_iter().map(|(cell_type, nodes)| table(py, nodes, cell_type.outline().len())).collect()
     }
 
-    /// Small strains at the centre of each cell, in its tangent plane.
-    ///
-    /// The axes of a mesh parallel to the ``(x, y)`` plane are ``x`` and ``y``. On any other surface axis 1 is the projection
-    /// of ``x`` onto the tangent plane (of ``y``, if the surface is perpendicular to ``x``), and axis 2 the cell's normal
-    /// times axis 1.
+    /// Strains of a displacement field.
     ///
     /// Parameters
     /// ----------
     /// displacement : (n, 2) or (n, 3) array_like
-    ///     Displacement of each node, in the mesh's unit; two components lie in the ``(x, y)`` plane.
+    ///     Displacement of each node, in the mesh's unit; two components lie in the ``(x, y)`` plane. NaN where it is not
+    ///     known.
+    /// measure : {"green-lagrange", "hencky", "small"}
+    ///     Strain measure; see `fedic.Strains`.
+    /// at : {"cells", "nodes"} or (m, 2) or (m, 3) array_like, default "cells"
+    ///     Centres of the cells, nodes (by L2 projection with the consistent mass matrix), or points in the mesh's frame; a
+    ///     surface in space is searched in its projection onto the ``(x, y)`` plane, and a third coordinate is ignored.
+    /// axes : float or "cylindrical", optional
+    ///     Axes of the components. By default ``x`` and ``y`` in a mesh parallel to the ``(x, y)`` plane; on any other surface
+    ///     axis 1 is the projection of ``x`` onto the tangent plane (of ``y``, if the surface is perpendicular to ``x``), and
+    ///     axis 2 the normal times axis 1. A number is an angle in radians by which these axes are turned counter-clockwise.
+    ///     ``"cylindrical"``: radial and circumferential direction about `centre`.
+    /// centre : (2,) array_like, optional
+    ///     Point of the cylinder axis, which is parallel to ``z``; the origin of the mesh's frame by default.
+    /// valid_cells : (num_cells,) array_like of bool, optional
+    ///     Cells whose strain counts; the others are NaN and take no part in the strain of their nodes. By default all.
     ///
     /// Returns
     /// -------
-    /// (num_cells, 3) float64
-    ///     ``eps_11, eps_22, eps_12``: tension positive, shear as the tensor component.
+    /// Strains
+    ///     NaN outside the mesh, in cells with a node whose displacement is NaN, in cells that are not valid, and at nodes of
+    ///     no other cell. A finite strain is also NaN in a cell that a displacement of two components turns inside out.
     ///
     /// Raises
     /// ------
     /// OptionError
-    ///     If the displacement does not have one row per node.
-    fn strains<'py>(&self, py: Python<'py>, displacement: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let columns = matrix(displacement, "displacement", argument_error)?.as_array().ncols();
-        let strains = if columns == 3 {
-            cell_strains(&self.inner, &self.nodal_vectors::<3>(displacement)?)
-        } else {
-            cell_strains(&self.inner, &self.nodal_vectors::<2>(displacement)?)
+    ///     If the displacement does not have one row per node, or another argument is unknown or has the wrong shape.
+    #[pyo3(signature = (displacement, measure="green-lagrange", at=None, axes=None, *, centre=None, valid_cells=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn strains<'py>(
+        &self,
+        py: Python<'py>,
+        displacement: &Bound<'py, PyAny>,
+        measure: &str,
+        at: Option<&Bound<'py, PyAny>>,
+        axes: Option<&Bound<'py, PyAny>>,
+        centre: Option<&Bound<'py, PyAny>>,
+        valid_cells: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let query = StrainQuery {
+            measure: strains::measure(measure)?,
+            places: strains::places(at)?,
+            axes: strains::axes(axes, centre)?,
+            valid_cells: valid_cells.map(|valid| strains::cell_flags(valid, &self.inner)).transpose()?,
         };
-        to_array(py, &strains)
+        let columns = matrix(displacement, "displacement", argument_error)?.as_array().ncols();
+        let found = if columns == 3 {
+            let displacement = self.nodal_vectors::<3>(displacement)?;
+            run(py, None, |_| Ok(query.strains(&self.inner, &displacement)))?
+        } else {
+            let displacement = self.nodal_vectors::<2>(displacement)?;
+            run(py, None, |_| Ok(query.strains(&self.inner, &displacement)))?
+        };
+        strains::to_python(py, query.measure, &found, self.dimension)
     }
 
     /// Values of a nodal field at points of the mesh.

@@ -15,7 +15,7 @@ from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
-from fedic.result import Iteration
+from fedic.results import Iteration
 from fedic.starts.fft import rigid_translation
 
 if TYPE_CHECKING:

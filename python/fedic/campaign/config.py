@@ -35,8 +35,9 @@ from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
+from fedic.results import StrainMeasure
 
-__all__ = ["Config", "load_config"]
+__all__ = ["Config", "OutputSection", "load_config"]
 
 
 def _expanded(value: object, info: ValidationInfo) -> object:
@@ -140,9 +141,10 @@ class CameraFileSection(Section):
 
 
 class OutputSection(Section):
-    """``[output]``: where the results go."""
+    """``[output]``: where the results go, and the measure of the strains in them."""
 
     folder: InFolder
+    strain_measure: StrainMeasure = "green-lagrange"
     pictures: Annotated[bool, Field(strict=True)] = True
 
 

@@ -8,14 +8,14 @@ from typing import Any
 
 from fedic._core import __version__
 from fedic._internal.types import Image
-from fedic.campaign.config import Config
+from fedic.campaign.config import Config, OutputSection
 from fedic.correlation import Correlator
 from fedic.errors import FedicError
 from fedic.io.atomic import make_folder, write_json
 from fedic.io.images import read_image
 from fedic.plotting import plot_displacement, plot_mesh, plot_residual, save_figure
 from fedic.progress import ProgressCallback
-from fedic.result import Result
+from fedic.results import Result
 
 __all__ = ["Frame", "measure_series"]
 
@@ -78,7 +78,7 @@ def measure_series(config: Config, *, progress: ProgressCallback | None = None) 
 
     frames: list[Frame] = []
     for path in config.images.deformed:
-        frame = _measure(correlator, path, folder, pictures=config.output.pictures, progress=progress)
+        frame = _measure(correlator, path, config.output, progress=progress)
         frames.append(frame)
         _write_summary(folder, config, frames)
         yield frame
@@ -91,17 +91,16 @@ def measure_series(config: Config, *, progress: ProgressCallback | None = None) 
         )
 
 
-def _measure(
-    correlator: Correlator, path: Path, folder: Path, *, pictures: bool, progress: ProgressCallback | None
-) -> Frame:
+def _measure(correlator: Correlator, path: Path, output: OutputSection, *, progress: ProgressCallback | None) -> Frame:
     start = time.perf_counter()
+    stem = output.folder / path.stem
     try:
         deformed = read_image(path, mapped=True)
         result = correlator.correlate(deformed, progress=progress)
-        result.write(folder / f"{path.stem}.vtu")
-        result.write(folder / f"{path.stem}.npz")
-        if pictures:
-            _draw(correlator, result, deformed, folder / path.stem)
+        for suffix in (".vtu", ".npz"):
+            result.write(stem.with_name(stem.name + suffix), measure=output.strain_measure)
+        if output.pictures:
+            _draw(correlator, result, deformed, stem)
         outcome = result.summary()
     except FedicError as error:
         outcome = {"error": str(error)}

@@ -9,7 +9,7 @@ from fedic._internal.types import Floats
 from fedic.correlation import correlate
 from fedic.demo.scene import ImagePair, Scene
 from fedic.plotting.error_maps import ErrorMap
-from fedic.result import Result
+from fedic.results import Result
 
 __all__ = ["Measurement", "measure_pair"]
 

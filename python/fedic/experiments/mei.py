@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fedic._internal.types import Floats
 from fedic.experiments.dic_challenge_star import AMPLITUDE, Star, period_at
 from fedic.experiments.outcome import Row
-from fedic.result import Result
+from fedic.results import Result
 
 __all__ = ["Field", "Measured", "Merit", "field_of", "measure_merit"]
 

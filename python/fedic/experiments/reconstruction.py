@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fedic._internal.types import Floats
 from fedic.errors import SolveError
 from fedic.experiments.mei import Field
-from fedic.result import Result
+from fedic.results import Result
 
 __all__ = ["Space", "reconstruct"]
 

@@ -18,7 +18,7 @@ from fedic.experiments.reconstruction import Space, reconstruct
 from fedic.experiments.resolution_claims import claims_of
 from fedic.experiments.resolution_figures import amplitude_figure, merit_figure, variant_figure
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
-from fedic.result import Result
+from fedic.results import Result
 
 __all__ = ["run"]
 

@@ -29,7 +29,7 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
         The mesh.
     arrays : mapping of str to ndarray
         The arrays of an ``.npz`` file. The mesh formats take ``displacement`` and ``pixel_displacement`` of the nodes,
-        ``strains`` and ``cell_residuals`` of the cells from it.
+        ``strains`` and ``cell_residuals`` of the cells from it, and name the strains by ``strain_measure``.
     summary : mapping
         The content of a ``.json`` file.
 
@@ -86,8 +86,12 @@ def _point_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, Floats]:
 
 
 def _cell_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, Floats]:
-    exx, eyy, exy = arrays["strains"].T
-    return {"strain_xx": exx, "strain_yy": eyy, "strain_xy": exy, "residual": arrays["cell_residuals"]}
+    measure = str(arrays["strain_measure"]).replace("-", "_")
+    strains = zip(("xx", "yy", "xy"), arrays["strains"].T, strict=True)
+    return {
+        **{f"{measure}_strain_{component}": values for component, values in strains},
+        "residual": arrays["cell_residuals"],
+    }
 
 
 def _three_components(vectors: Floats) -> Floats:

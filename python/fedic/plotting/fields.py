@@ -1,4 +1,4 @@
-"""Meshes, displacement fields and residuals drawn over images."""
+"""Meshes, displacements, strains and residuals drawn over images."""
 
 from typing import Any, Literal, Protocol, TypeAlias, get_args
 
@@ -15,10 +15,22 @@ from fedic._internal.choices import check_choice
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
 from fedic.plotting.colour_maps import IMAGE, SEQUENTIAL, SIGNED
+from fedic.results.strains import StrainMeasure, Strains
 
-__all__ = ["draw_nodal_field", "plot_displacement", "plot_mesh", "plot_residual"]
+__all__ = [
+    "Component",
+    "Strain",
+    "draw_nodal_field",
+    "plot_displacement",
+    "plot_field",
+    "plot_mesh",
+    "plot_residual",
+    "plot_strain",
+]
 
 Component: TypeAlias = Literal["x", "y", "u", "v"]
+Strain: TypeAlias = Literal["exx", "eyy", "exy", "e1", "e2", "von_mises"]
+Configuration: TypeAlias = Literal["deformed", "reference"]
 
 
 class MeasuredField(Protocol):
@@ -40,7 +52,23 @@ class MeasuredField(Protocol):
     def pixel_displacement(self) -> Floats:
         """Nodal displacements (n, 2) in pixels."""
 
+    def strains(self, measure: StrainMeasure, at: Literal["nodes"]) -> Strains:
+        """Return the strains at the nodes."""
 
+
+_STRAIN_SYMBOLS: dict[Strain, str] = {
+    "exx": r"$\varepsilon_{xx}$",
+    "eyy": r"$\varepsilon_{yy}$",
+    "exy": r"$\varepsilon_{xy}$",
+    "e1": r"$\varepsilon_1$",
+    "e2": r"$\varepsilon_2$",
+    "von_mises": "von Mises",
+}
+_MEASURE_NAMES: dict[StrainMeasure, str] = {
+    "green-lagrange": "Green-Lagrange strain",
+    "hencky": "Hencky strain",
+    "small": "small strain",
+}
 _BACKDROP_SIDE = 2000
 _LONG_SIDE_INCHES = 7.0
 _MARGIN = 0.06
@@ -52,7 +80,7 @@ def plot_displacement(
     image: Image,
     component: Component = "x",
     *,
-    on: Literal["deformed", "reference"] = "deformed",
+    on: Configuration = "deformed",
 ) -> Figure:
     """Draw a component of the displacement over an image.
 
@@ -78,18 +106,111 @@ def plot_displacement(
         If `component` or `on` is unknown.
     """
     check_choice("component", component, get_args(Component))
-    check_choice("on", on, ("deformed", "reference"))
-    pixels = field.camera.project(field.mesh.points)
-    if on == "deformed":
-        pixels = pixels + field.pixel_displacement
     in_pixels = component in ("u", "v")
     vectors = field.pixel_displacement if in_pixels else field.displacement
     values = vectors[:, 0 if component in ("x", "u") else 1]
-    figure, axes = _image_figure(image, pixels[field.mesh.used_nodes])
-    colours = draw_nodal_field(axes, field.mesh, pixels, values, alpha=0.8)
     name = component if in_pixels else f"$U_{component}$"
     unit = "px" if in_pixels or isinstance(field.camera, ImageFrame) else "mesh unit"
-    figure.colorbar(colours, ax=axes, label=f"{name} ({unit})", extend="both", shrink=0.9)
+    return _plot_nodal_field(field, image, values, f"{name} ({unit})", on)
+
+
+def plot_strain(
+    field: MeasuredField,
+    image: Image,
+    component: Strain = "eyy",
+    *,
+    measure: StrainMeasure = "green-lagrange",
+    on: Configuration = "deformed",
+) -> Figure:
+    """Draw a strain, projected onto the nodes, over an image.
+
+    Parameters
+    ----------
+    field : Result
+        The displacement field.
+    image : ndarray, shape (height, width)
+        The deformed or the reference image.
+    component : {"exx", "eyy", "exy", "e1", "e2", "von_mises"}
+        Component along the axes of the mesh's frame, principal strain, or von Mises strain; see `fedic.Strains`.
+    measure : {"green-lagrange", "hencky", "small"}
+        Strain measure; the colour bar names it.
+    on : {"deformed", "reference"}
+        Configuration in which the mesh is drawn.
+
+    Returns
+    -------
+    Figure
+        The figure; `fedic.plotting.save_figure` writes it.
+
+    Raises
+    ------
+    OptionError
+        If `component`, `measure` or `on` is unknown.
+    """
+    check_choice("component", component, get_args(Strain))
+    strains = field.strains(measure, at="nodes")
+    e1, e2 = strains.principal.T
+    values = {
+        "exx": strains.exx,
+        "eyy": strains.eyy,
+        "exy": strains.exy,
+        "e1": e1,
+        "e2": e2,
+        "von_mises": strains.von_mises,
+    }
+    label = f"{_STRAIN_SYMBOLS[component]} ({_MEASURE_NAMES[strains.measure]})"
+    return _plot_nodal_field(field, image, values[component], label, on)
+
+
+def plot_field(
+    field: MeasuredField,
+    image: Image,
+    name: Component | Strain,
+    *,
+    measure: StrainMeasure = "green-lagrange",
+    on: Configuration = "deformed",
+) -> Figure:
+    """Draw a displacement or a strain over an image.
+
+    Parameters
+    ----------
+    field : Result
+        The displacement field.
+    image : ndarray, shape (height, width)
+        The deformed or the reference image.
+    name : str
+        A component of `plot_displacement` or of `plot_strain`.
+    measure : {"green-lagrange", "hencky", "small"}
+        Measure of the strain.
+    on : {"deformed", "reference"}
+        Configuration in which the mesh is drawn.
+
+    Returns
+    -------
+    Figure
+        The figure; `fedic.plotting.save_figure` writes it.
+
+    Raises
+    ------
+    OptionError
+        If `name`, `measure` or `on` is unknown.
+    """
+    check_choice("field", name, (*get_args(Strain), *get_args(Component)))
+    match name:
+        case "x" | "y" | "u" | "v":
+            return plot_displacement(field, image, name, on=on)
+        case _:
+            return plot_strain(field, image, name, measure=measure, on=on)
+
+
+def _plot_nodal_field(field: MeasuredField, image: Image, values: Floats, label: str, on: Configuration) -> Figure:
+    check_choice("on", on, get_args(Configuration))
+    pixels = field.camera.project(field.mesh.points)
+    if on == "deformed":
+        pixels = pixels + field.pixel_displacement
+    figure, axes = _image_figure(image, pixels[field.mesh.used_nodes])
+    colours = draw_nodal_field(axes, field.mesh, pixels, values, alpha=0.8)
+    figure.colorbar(colours, ax=axes, label=label, extend="both", shrink=0.9)
     return figure
 
 
@@ -167,7 +288,7 @@ def draw_nodal_field(
     limits: tuple[float, float] | None = None,
     alpha: float = 1.0,
 ) -> ScalarMappable:
-    """Draw a nodal field with interpolated colours.
+    """Draw a nodal field with interpolated colours, without the cells where it is NaN.
 
     Parameters
     ----------
@@ -191,11 +312,12 @@ def draw_nodal_field(
     """
     low, high = limits or _colour_limits(values[mesh.used_nodes])
     points, all_values, triangles = _triangles(mesh, pixels, values)
+    is_known = np.isfinite(points[triangles]).all(axis=(1, 2)) & np.isfinite(all_values[triangles]).all(axis=1)
     return axes.tripcolor(
         points[:, 0],
         points[:, 1],
         all_values,
-        triangles=triangles[np.isfinite(points[triangles]).all(axis=(1, 2))],
+        triangles=triangles[is_known],
         shading="gouraud",
         cmap=SIGNED if low == -high else SEQUENTIAL,
         norm=Normalize(low, high),

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,12 @@ from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, StrPath
 from fedic.errors import ImageError
 from fedic.io.results import write_result
+from fedic.results.strains import StrainAxes, StrainMeasure, Strains
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fedic.plotting.fields import Component, Strain
 
 __all__ = ["Iteration", "Result"]
 
@@ -106,15 +112,79 @@ class Result:
         """
         return self.mesh.interpolate(self.displacement, points)
 
-    def strains(self) -> Floats:
-        """Return the small strains at the centre of each cell.
+    def strains(
+        self,
+        measure: StrainMeasure = "green-lagrange",
+        at: Literal["cells", "nodes"] | ArrayLike = "cells",
+        axes: StrainAxes | None = None,
+        *,
+        centre: ArrayLike | None = None,
+    ) -> Strains:
+        """Return the strains at the cells, the nodes or any points.
+
+        Parameters
+        ----------
+        measure : {"green-lagrange", "hencky", "small"}
+            Strain measure. Green-Lagrange and Hencky strains are not changed by a rotation; the small strain of a
+            rotation by 10 degrees is -1.5 %.
+        at : {"cells", "nodes"} or array_like of shape (m, 2) or (m, 3)
+            Centres of the cells, nodes (by L2 projection), or points in the mesh's frame.
+        axes : float or "cylindrical", optional
+            Axes of the components: those of the mesh's frame, turned counter-clockwise by an angle in radians, or
+            radial and circumferential about `centre`. See `Mesh.strains` for surfaces in space.
+        centre : array_like, shape (2,), optional
+            Centre of cylindrical axes; the origin of the mesh's frame by default.
 
         Returns
         -------
-        ndarray of float, shape (num_cells, 3)
-            ``exx, eyy, exy``, tension positive; ``exy`` is the tensor component, half the engineering shear.
+        Strains
+            ``exx, eyy, exy``, principal strains and directions, von Mises strains; tension positive, shear as the
+            tensor component. NaN outside the mesh, in cells with a node that was not measured, and at nodes of no other
+            cell.
+
+        Raises
+        ------
+        OptionError
+            If an argument is unknown or has the wrong shape.
         """
-        return self.mesh.strains(self.displacement)
+        return self.mesh.strains(self.displacement, measure, at, axes, centre=centre)
+
+    def plot(
+        self,
+        field: "Component | Strain" = "eyy",
+        *,
+        measure: StrainMeasure = "green-lagrange",
+        on: Literal["deformed", "reference"] = "deformed",
+    ) -> "Figure":
+        """Draw a displacement or a strain over the image.
+
+        Parameters
+        ----------
+        field : {"exx", "eyy", "exy", "e1", "e2", "von_mises", "x", "y", "u", "v"}
+            Component of the strain, principal strain or von Mises strain, projected onto the nodes (see `Strains`), or
+            component of the displacement: ``x``, ``y`` in the mesh's unit, ``u``, ``v`` in pixels.
+        measure : {"green-lagrange", "hencky", "small"}
+            Measure of the strain; the colour bar names it.
+        on : {"deformed", "reference"}
+            Image over which the mesh is drawn, in that configuration.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure; its method ``savefig`` writes it.
+
+        Raises
+        ------
+        OptionError
+            If an argument is unknown.
+        ImageError
+            If the image is no longer known or has changed since the measurement.
+        """
+        from fedic.plotting import plot_field
+
+        images = self._images()
+        image = images.reference if on == "reference" else images.deformed
+        return plot_field(self, image.read(), field, measure=measure, on=on)
 
     def residual_map(self) -> NDArray[np.float32]:
         """Map the grey-level residual over the reference image.
@@ -166,21 +236,24 @@ class Result:
             )
         return self._measurement
 
-    def write(self, path: StrPath) -> Path:
+    def write(self, path: StrPath, *, measure: StrainMeasure = "green-lagrange") -> Path:
         """Write the result to a file, whole or not at all.
 
         ``.vtu`` and ``.vtk``
-            For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes, ``strain_xx``,
-            ``strain_yy``, ``strain_xy`` and ``residual`` on the cells.
+            For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes,
+            ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``) and
+            ``residual`` on the cells.
         ``.npz``
-            Every array, for `numpy.load`.
+            Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains``.
         ``.json``
-            The summary, without the fields.
+            The summary with the history and the measure, without the fields.
 
         Parameters
         ----------
         path : str or path
             The file to write; its suffix chooses the format.
+        measure : {"green-lagrange", "hencky", "small"}
+            Strain measure of the file, which names it.
 
         Returns
         -------
@@ -189,11 +262,14 @@ class Result:
 
         Raises
         ------
+        OptionError
+            If the suffix or the measure is unknown.
         FedicError
-            If the suffix is unknown or the file cannot be written.
+            If the file cannot be written.
         """
         history = [{name: _finite(value) for name, value in iteration._asdict().items()} for iteration in self.history]
-        return write_result(Path(path), self.mesh, self._arrays(), {**self.summary(), "history": history})
+        summary = {**self.summary(), "strain_measure": measure, "history": history}
+        return write_result(Path(path), self.mesh, self._arrays(measure), summary)
 
     def summary(self) -> dict[str, Any]:
         """Return convergence, residual and sizes as JSON types.
@@ -214,13 +290,14 @@ class Result:
             "outside_cells": self.outside_cells.tolist(),
         }
 
-    def _arrays(self) -> dict[str, NDArray[Any]]:
+    def _arrays(self, measure: StrainMeasure) -> dict[str, NDArray[Any]]:
         return {
             "points": self.mesh.points,
             **{f"cells_{name}": nodes for name, nodes in self.mesh.cells.items()},
             "displacement": self.displacement,
             "pixel_displacement": self.pixel_displacement,
-            "strains": self.strains(),
+            "strains": self.strains(measure).components,
+            "strain_measure": np.array(measure),
             "cell_residuals": self.cell_residuals,
             "outside_cells": self.outside_cells,
             "history": np.array(self.history, dtype=np.float64).reshape(-1, 4),
