@@ -84,7 +84,12 @@ def measured(images: tuple[NDArray[np.float32], NDArray[np.float32]]) -> Callabl
     exact, exact_strain = displacement(points), strain(points)
 
     def errors(cell: str) -> dict[str, list[float]]:
-        found: dict[str, list[float]] = {"displacement": [], "strain": [], "strain at centres": []}
+        found: dict[str, list[float]] = {
+            "displacement": [],
+            "strain": [],
+            "strain at centres": [],
+            "strain at nodes": [],
+        }
         for size in SIZES:
             mesh = fedic.rectangle_mesh((MARGIN, MARGIN, MARGIN + SIDE, MARGIN + SIDE), size, cell)  # type: ignore[arg-type]
             start = displacement(mesh.points)
@@ -95,6 +100,7 @@ def measured(images: tuple[NDArray[np.float32], NDArray[np.float32]]) -> Callabl
             corners = mesh.cells[cell][:, : 3 if cell.startswith("triangle") else 4]
             centres = mesh.points[corners].mean(axis=1)
             found["strain at centres"].append(rms(result.strains("small").components - strain(centres)))
+            found["strain at nodes"].append(rms(result.strains("small", "nodes").components - strain(mesh.points)))
         return found
 
     return errors
@@ -112,9 +118,11 @@ def test_displacement_and_strain_converge_at_the_theoretical_rates(
     displacement             2.01  2.07       2.74   2.82   2.78
     strain                   1.03  1.01       1.87   2.07   2.01
     strain at centres        1.11  1.34       1.77   1.77   1.85
+    strain at nodes          1.50  1.75       1.76   1.85   1.84
     ===================  ========  ====  =========  =====  =====
     """
     degree, errors = DEGREES[cell], measured(cell)
     assert order(errors["displacement"]) == pytest.approx(degree + 1, abs=0.1 if degree == 1 else 0.3)
     assert order(errors["strain"]) == pytest.approx(degree, abs=0.15)
     assert order(errors["strain at centres"]) > degree - 0.3
+    assert order(errors["strain at nodes"]) > degree - 0.3

@@ -96,6 +96,12 @@ def test_options_are_passed_to_the_correlator(folder: Path) -> None:
         ("[[1, 0, 0], ", "[", "camera.rotation", "3 rows of 3 numbers"),
         ('"pyramid"', '"pyramids"', "correlation.initial", "'zero', 'pyramid' or 'fft'"),
         ("false", "0", "output.pictures", "should be a valid boolean"),
+        (
+            "pictures = false",
+            'strain_measure = "log"',
+            "output.strain_measure",
+            "'green-lagrange', 'hencky' or 'small'",
+        ),
         ('"frame-00.png"', "1", "images.reference", "should be the name of a file"),
         ('"frame-0[12].png"', "[]", "images.deformed", "at least 1 item"),
         ('"frame-0[12].png"', '"frame-9*.png"', "images.deformed", "matches none"),

@@ -305,6 +305,16 @@ fn cells_marked_invalid_take_no_part_in_nodal_strains() {
 }
 
 #[test]
+fn a_quad_with_a_repeated_node_projects_like_a_triangle() {
+    let points = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 2.0, 0.0]];
+    let blocks = [(CellType::Quad, vec![0, 1, 2, 3, 3, 2, 4, 4])];
+    let mesh = Mesh::new(points, &blocks).unwrap();
+    let displacement = affine(&mesh, &[[1.1, 0.05], [-0.02, 0.9]], [0.0; 2]);
+    let found = StrainField::new(&mesh, &displacement, StrainMeasure::Small).at_nodes();
+    assert!(largest_difference(&found, [0.1, -0.1, 0.015]) < 1e-13, "{found:?}");
+}
+
+#[test]
 fn nodes_of_no_cell_are_nan() {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 0.0]];
     let mesh = Mesh::new(points, &[(CellType::Triangle, vec![0, 1, 2])]).unwrap();

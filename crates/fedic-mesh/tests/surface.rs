@@ -166,6 +166,25 @@ proptest! {
         }
     }
 
+    /// Green-Lagrange and Hencky strains of a finite rotation in space, which moves points out of the tangent plane.
+    #[test]
+    fn a_rotation_of_a_curved_surface_in_space_has_no_finite_strain(cell in any_cell(), seed: u64) {
+        let mut random = Random::new(seed);
+        let (flat, _) = jittered_mesh(&mut random, [3, 2], &[cell], 5.0, 0.2);
+        let mesh = with_points(&flat, flat.points().iter().map(|p| [p[0], p[1], 0.05 * p[0] * p[1]]).collect());
+        let turn = rotation(&mut random);
+        let displacement: Vec<Vector> = mesh.points().iter().map(|&x| {
+            let turned = apply(&turn, x);
+            std::array::from_fn(|d| turned[d] - x[d] + 3.0)
+        }).collect();
+        for measure in [StrainMeasure::GreenLagrange, StrainMeasure::Hencky] {
+            let field = StrainField::new(&mesh, &displacement, measure);
+            for strain in field.at_cells().into_iter().chain(field.at_nodes()) {
+                prop_assert!(strain.components.iter().all(|c| c.abs() < 1e-11), "{measure}: {strain:?}");
+            }
+        }
+    }
+
     /// Patch test: polynomials of the order of the cell on cells with straight edges have exact gradients everywhere.
     #[test]
     fn gradients_of_polynomials_are_exact_on_slanted_planes(cell in any_cell(), seed: u64) {
@@ -293,6 +312,32 @@ fn wave([x, y, z]: Vector) -> (Vector, Matrix) {
 
 fn orders(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
+}
+
+#[test]
+fn nodal_strains_on_a_cylinder_converge_at_the_order_of_the_cell() {
+    for vertical in [false, true] {
+        for cell in CellType::ALL {
+            let error = |size: f64| {
+                let flat = rectangle_mesh([0.2, 0.0, 3.2, 2.0], size, cell).unwrap();
+                let (mesh, _) = cylinder(cell, size, vertical);
+                let displacement: Vec<Vector> = mesh.points().iter().map(|&x| wave(x).0).collect();
+                let strains = StrainField::new(&mesh, &displacement, StrainMeasure::Small).at_nodes();
+                let mut sum = 0.0;
+                for (strain, p) in strains.iter().zip(flat.points()) {
+                    let outward = cylinder_normal([p[0], p[1]], vertical);
+                    let normal = cross(strain.axes[0], strain.axes[1]);
+                    let side = if dot(normal, outward) > 0.0 { 1.0 } else { -1.0 };
+                    let exact = strain_along(axes(outward.map(|c| side * c)), &wave(strain.position).1);
+                    sum += strain.components.iter().zip(exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+                }
+                (sum / strains.len() as f64).sqrt()
+            };
+            let found = orders(&[0.2, 0.1, 0.05].map(error));
+            let least = cell.edge_intervals() as f64 - 0.1;
+            assert!(found.iter().all(|&order| order > least), "{cell}, vertical {vertical}: {found:?}");
+        }
+    }
 }
 
 #[test]
