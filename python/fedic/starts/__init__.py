@@ -1,1 +1,1 @@
-"""Initial displacement fields for large motions."""
+"""Initial displacement of large motions: one estimator a file, joined in `fedic.starts.estimators`."""

@@ -1,4 +1,4 @@
-"""Initial translation of the whole mesh, by normalised cross-correlation."""
+"""Translation of the whole mesh to whole pixels, by normalised cross-correlation (with FFTs)."""
 
 from itertools import product
 
@@ -8,8 +8,13 @@ from numpy.typing import NDArray
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import SolveError
+from fedic.starts.candidate import Candidate, nodal_displacement, refined_candidate
+from fedic.starts.images import StartImages
+from fedic.starts.motion import translation
+from fedic.starts.periodicity import other_maxima
+from fedic.starts.template import correlation_map
 
-__all__ = ["initial_translation", "rigid_translation"]
+__all__ = ["initial_translation", "rigid_translation", "translations"]
 
 _COARSE_SIDE = 1024
 _SMALLEST_WINDOW = 8
@@ -41,14 +46,35 @@ def initial_translation(reference: Image, deformed: Image, mesh: Mesh, camera: C
     SolveError
         If the window is too small, or has no texture.
     """
-    points = mesh.points
-    used = mesh.used_nodes
-    pixels = camera.project(points)
-    shift, _ = _window_shift(reference, deformed, pixels[used])
-    z = float(points[used, 2].mean()) if points.shape[1] == 3 else 0.0
-    start = np.zeros((len(points), 2))
-    start[used] = (camera.unproject(pixels[used] + shift, z) - camera.unproject(pixels[used], z))[:, :2]
-    return start
+    pixels = camera.project(mesh.points[mesh.used_nodes])
+    shift, _ = _window_shift(reference, deformed, pixels)
+    return nodal_displacement(np.tile(shift.astype(np.float64), (mesh.num_nodes, 1)), mesh, camera)
+
+
+def translations(images: StartImages) -> list[Candidate]:
+    """Find the translation of the mesh's bounding window on reduced images, and refine it to an affine map.
+
+    Parameters
+    ----------
+    images : StartImages
+        The two images and the region of the mesh.
+
+    Returns
+    -------
+    list of Candidate
+        One candidate named ``"fft"``, with the other translations that match nearly as well; or none.
+    """
+    if not images.has_texture():
+        return []
+    level = images.level_of_side(_COARSE_SIDE)
+    try:
+        scores, shift = _shifts(level.reference, level.deformed, np.array(level.bounds(), dtype=np.float64))
+    except SolveError:
+        return []
+    scale = np.diag(level.reduction)[:2]
+    others = shift + other_maxima(scores)
+    found = refined_candidate(images, "fft", translation(shift / scale), others / scale)
+    return [] if found is None else [found]
 
 
 def rigid_translation(reference: Image, moved: Image, mesh: Mesh, camera: Camera) -> Floats:
@@ -118,8 +144,18 @@ def _best_shift(
     reach: int = 0,
 ) -> tuple[NDArray[np.int64], float]:
     """Return the shift (u, v) of the window around `pixels` and its score; `near` and `reach` limit the search."""
-    import cv2
+    scores, shift = _shifts(f, g, pixels, near, reach)
+    return shift, float(scores.max())
 
+
+def _shifts(
+    f: NDArray[np.float32],
+    g: NDArray[np.float32],
+    pixels: Floats,
+    near: NDArray[np.int64] | None = None,
+    reach: int = 0,
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Return the scores of all shifts of the window around `pixels`, and the shift (u, v) of the largest."""
     height, width = f.shape
     low, high = _window(pixels, width, height)
     window = f[low[1] : high[1], low[0] : high[0]]
@@ -129,11 +165,10 @@ def _best_shift(
     if near is not None:
         first = np.maximum(low + near - reach, 0)
         last = np.minimum(high + near + reach, last)
-    score = np.asarray(cv2.matchTemplate(g[first[1] : last[1], first[0] : last[0]], window, cv2.TM_CCOEFF_NORMED))
-    score = np.where(np.isfinite(score) & (score <= 1.0 + 1e-3), score, -1.0)  # flat areas divide by zero
-    v, u = np.unravel_index(int(np.argmax(score)), score.shape)
+    scores = correlation_map(g[first[1] : last[1], first[0] : last[0]], window)
+    v, u = np.unravel_index(int(np.argmax(scores)), scores.shape)
     shift: NDArray[np.int64] = first + np.array([u, v]) - low
-    return shift, float(score[v, u])
+    return scores, shift
 
 
 def _window(pixels: Floats, width: int, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
