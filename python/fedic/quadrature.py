@@ -24,12 +24,13 @@ class MeshQuadrature:
     density : float
         Factor on the number of points. With 1 the rules below hold: about one point per pixel of the reference image.
     rule : {"rotated", "edges", "diameter"}
-        ``"edges"`` cuts each direction of a quadrilateral by the whole pixels in the shorter of its two edges, 0.8 to 1
-        point per pixel, and a triangle, whose points are spread less evenly, into 1.6 points per pixel. ``"rotated"``
-        takes as many, with the points of a quadrilateral on a grid rotated by a small angle, so that sub-pixel phases
-        vary along the element and the interpolation error averages out. ``"diameter"``, the paper's, cuts every edge
-        by the largest distance between two nodes, so that every pixel holds a point: at least 2 points per pixel in
-        quadrilaterals, 4 in right triangles.
+        ``"edges"`` gives about one point per pixel of the projected area: a parallelogram is cut, in each direction, by
+        the whole pixels of its edge; any other quadrilateral so finely that neighbouring points are at most 1.2 pixels
+        apart, 0.85 to 1.5 points per pixel; a triangle into rows of points parallel to its longest edge, a pixel apart.
+        ``"rotated"`` takes as many, with the points of a quadrilateral on a grid rotated by a small angle, so that
+        sub-pixel phases vary along the element and the interpolation error averages out. ``"diameter"``, the paper's,
+        cuts every edge by the largest distance between two nodes, so that every pixel holds a point: at least 2 points
+        per pixel in quadrilaterals, 4 in right triangles.
 
     Raises
     ------

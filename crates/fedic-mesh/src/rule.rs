@@ -10,9 +10,10 @@ use thiserror::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Rule {
-    /// About one point per pixel of the projected area. A quad has, along each direction, as many sub-cells as whole pixels in
-    /// the shorter of the two opposite edges; a triangle has about 1.6 points per pixel, which gives the same noise as a quad
-    /// because the centroids of sub-triangles are spread less evenly.
+    /// About one point per pixel of the projected area, whatever the shape of the cell. A parallelogram has, along each
+    /// direction, as many sub-cells as whole pixels in the edge; any other quad as many as leave no two neighbouring points
+    /// more than 1.2 pixels apart. A triangle is cut into rows one pixel high, parallel to its longest edge, with a point
+    /// per pixel.
     Edges,
     /// Same number of points as [`Edges`](Self::Edges), on a slightly rotated grid in quads: sub-pixel phases then vary along
     /// the rows and columns of points, so that the interpolation error averages out.
