@@ -15,7 +15,7 @@ __all__ = ["matched_features"]
 _SIDE = 800.0
 _KEY_POINTS = 2000
 _SIFT_CONTRAST = 0.01
-_RATIO = 0.8
+_RATIO = 0.9
 """Largest ratio of the distances of the nearest and the second nearest descriptor."""
 _TOLERANCE_PX = 3.0
 _FEWEST_INLIERS = 8

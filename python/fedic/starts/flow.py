@@ -104,7 +104,7 @@ def _at_nodes(images: StartImages, window: Window, motion: Floats, flow: Grey, t
     placed = np.flatnonzero(np.isfinite(images.nodes).all(axis=1))
     for first in range(0, len(placed), _NODES_AT_ONCE):
         chosen = placed[first : first + _NODES_AT_ONCE]
-        nodes: Floats = moved(window.level.reduction, images.nodes[chosen])
+        nodes = moved(window.level.reduction, images.nodes[chosen])
         columns, rows = np.rint(nodes - window.low).astype(np.int64).T
         rows = np.clip(rows[:, np.newaxis, np.newaxis] + offsets[:, np.newaxis], 0, height - 1)
         columns = np.clip(columns[:, np.newaxis, np.newaxis] + offsets, 0, width - 1)
@@ -113,6 +113,6 @@ def _at_nodes(images: StartImages, window: Window, motion: Floats, flow: Grey, t
         known = np.isfinite(values[..., 0]).any(axis=1)
         shifts: Floats = np.zeros((len(chosen), 2))
         shifts[known] = np.nanmedian(values[known], axis=1)
-        there = moved(window.level.reduced(motion), np.add(nodes, shifts, dtype=np.float64))
-        displacement[chosen] = moved(np.linalg.inv(window.level.reduction), there) - images.nodes[chosen]
+        here: Floats = images.nodes[chosen] + shifts / np.diag(window.level.reduction)[:2]
+        displacement[chosen] = moved(motion, here) - images.nodes[chosen]
     return displacement

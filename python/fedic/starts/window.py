@@ -1,6 +1,7 @@
 """The part of the images around the mesh, and how well a displacement makes them agree there."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,26 +17,36 @@ _SMOOTHING = 1.0
 _LOCAL = 32.0
 """Standard deviation, in pixels of the finest level, of the Gaussian under which local means are made equal."""
 _STANDARD_DEVIATIONS = 6.0
-"""Chance gives a correlation coefficient of `n` independent values the standard deviation `1 / sqrt(n)`."""
-_SMALLEST_SCORE = 0.15
+_SMALLEST_SCORE, _LARGEST_THRESHOLD = 0.15, 0.8
 SMALLEST_OVERLAP = 0.3
+"""Smallest share of the mesh's pixels that must stay in view."""
 
-Grey = NDArray[np.float32]
+Grey: TypeAlias = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class Match:
-    """Correlation coefficient over the part of the mesh in view, the share of this part, its number of pixels."""
+    """How well two images agree over the part of the mesh that stays in view.
+
+    Attributes
+    ----------
+    score : float
+        Correlation coefficient.
+    overlap : float
+        Share of the mesh's pixels that stay in view.
+    speckles : float
+        Number of areas of the texture in view whose grey levels are independent.
+    """
 
     score: float
     overlap: float
-    pixels: float
+    speckles: float
 
     @property
     def is_significant(self) -> bool:
-        """Whether enough of the mesh is in view and the coefficient is larger than chance makes it."""
-        independent = max(self.pixels / (8.0 * np.pi * _SMOOTHING**2), 1.0)
-        threshold = max(_SMALLEST_SCORE, _STANDARD_DEVIATIONS / np.sqrt(independent))
+        """Whether enough of the mesh is in view, and the coefficient is larger than chance makes it."""
+        chance = _STANDARD_DEVIATIONS / np.sqrt(max(self.speckles, 1.0))
+        threshold = float(np.clip(chance, _SMALLEST_SCORE, _LARGEST_THRESHOLD))
         return self.overlap >= SMALLEST_OVERLAP and self.score >= threshold
 
 
@@ -95,7 +106,18 @@ class Window:
         if pixels == 0.0:
             return Match(0.0, 0.0, 0.0)
         f, g = (smoothed(image * weight, _SMOOTHING) for image in self.normalised(grey, weight))
-        return Match(correlation(f, g), pixels / float(self.region.sum()), pixels)
+        return Match(correlation(f, g), pixels / float(self.region.sum()), _speckles(f))
+
+
+def _speckles(image: Grey) -> float:
+    """Return the area of an image in units of the integral of its squared autocorrelation, taken as a Gaussian.
+
+    The squared width of a Gaussian autocorrelation is the variance of the grey levels over that of their slopes.
+    """
+    along_v, along_u = np.gradient(image)
+    return (float(np.vdot(along_u, along_u)) + float(np.vdot(along_v, along_v))) / (
+        2.0 * np.pi * max(float(np.var(image)), 1e-12)
+    )
 
 
 def sampled(image: Grey, places: Grey) -> Grey:
