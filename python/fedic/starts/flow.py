@@ -11,7 +11,7 @@ from fedic.starts.window import Grey, Window, sampled
 
 __all__ = ["dense_flow"]
 
-_CONSISTENT_PX = 1.5
+_CONSISTENT_PX = 0.5
 _SMALLEST_SHARE = 0.5
 """Share of the mesh where flow forwards and backwards must agree."""
 _REACH = 4

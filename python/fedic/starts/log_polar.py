@@ -21,7 +21,9 @@ _SMALLEST_WINDOW = 32
 _LARGEST_TEMPLATE = 128
 _RADII, _ANGLES = 256, 720
 """Size of the log-polar spectra; the angles are those of a whole turn."""
-_SMALLEST_RADIUS = 4.0
+_PADDING = 2
+"""Length of the Fourier transform relative to the square's side; without, the grid of frequencies matches itself."""
+_SMALLEST_RADIUS = 10.0
 _LARGEST_SCALE = 2.5
 _WINDOWS = 3
 """Number of windows of the deformed image along each side."""
@@ -71,15 +73,16 @@ def _similarities(level: Level) -> list[Floats]:
     if side < _SMALLEST_WINDOW:
         return []
     corner = np.clip(np.rint(0.5 * (low + high + 1 - side)).astype(np.int64), 0, limits - side)
+    period = _PADDING * side
     expected = [
-        _spectrum(level.reference, corner + int(0.5 * (1.0 - part) * side), int(part * side), side) for part in _PARTS
+        _spectrum(level.reference, corner + int(0.5 * (1.0 - part) * side), int(part * side), period) for part in _PARTS
     ]
     taper = np.tile(np.hanning(_RADII), (_ANGLES // 2, 1)).astype(np.float32)
-    per_unit = _RADII / math.log(side / 2.0)
+    per_unit = _RADII / math.log(period / 2.0)
     found = []
     for along in product(np.linspace(0.0, 1.0, _WINDOWS), repeat=2):
         there = np.rint(np.array(along) * (limits - side)).astype(np.int64)
-        seen = _spectrum(level.deformed, there, side, side)
+        seen = _spectrum(level.deformed, there, side, period)
         for each in expected:
             (shift, turn), response = cv2.phaseCorrelate(each, seen, taper)
             scale, angle = math.exp(-shift / per_unit), 2.0 * math.pi * turn / _ANGLES
