@@ -36,6 +36,7 @@ from fedic.errors import (
     ImageError,
     MeshError,
     OptionError,
+    QualityWarning,
     SolveError,
 )
 from fedic.io.images import read_image
@@ -71,6 +72,7 @@ __all__ = [
     "Pinhole",
     "PixelQuadrature",
     "Progress",
+    "QualityWarning",
     "Registration",
     "Result",
     "SolveError",

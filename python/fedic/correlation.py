@@ -1,6 +1,5 @@
 """The measurement: from two images, a mesh and a camera to a displacement field."""
 
-import sys
 import warnings
 import weakref
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
@@ -11,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from fedic import _core
 from fedic._core import CORRELATION_OPTIONS, ImageFrame, Mesh
 from fedic._internal.measurement import Measurement
+from fedic._internal.mesh_faults import warn_of_mesh_faults
 from fedic._internal.types import Camera, Floats, Image
+from fedic._internal.warning_level import levels_within_fedic
 from fedic.errors import CalibrationWarning, OptionError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
@@ -86,6 +87,7 @@ class Correlator:
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
         release_pages(self._reference)
         _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
+        warn_of_mesh_faults(mesh)
 
     @property
     def num_points(self) -> int:
@@ -275,16 +277,8 @@ def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str
             f"{outside.size} of {mesh.num_nodes} nodes {what} outside the domain the lens was calibrated in, the first "
             f"being node {outside[0]}: it is extrapolated there, and what is measured there with it.",
             CalibrationWarning,
-            stacklevel=_levels_within_fedic(),
+            stacklevel=levels_within_fedic(),
         )
-
-
-def _levels_within_fedic() -> int:
-    """Return how many calls up, counted from the caller, the code that uses fedic is."""
-    levels, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("fedic."):
-        levels, frame = levels + 1, frame.f_back
-    return levels
 
 
 def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:

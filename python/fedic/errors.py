@@ -14,6 +14,7 @@ __all__ = [
     "ImageError",
     "MeshError",
     "OptionError",
+    "QualityWarning",
     "SolveError",
 ]
 
@@ -82,6 +83,10 @@ class OptionError(FedicError, ValueError):
 
 class CalibrationWarning(UserWarning):
     """Points lie outside the domain in which a lens was calibrated, where it is extrapolated."""
+
+
+class QualityWarning(UserWarning):
+    """A result, or what it is measured with, is doubtful; the message says where, and what to do."""
 
 
 class SolveError(FedicError):

@@ -1,6 +1,7 @@
 """Noise of the displacement over the Cramer-Rao bound in cells of any shape, by Monte Carlo with a fixed seed."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import fedic
 SHAPE = (230, 230)
 NOISE = 1.0
 DRAWS = 60
-PLAIN = {"smoothing": 0.0, "num_threads": 1}
+PLAIN: dict[str, Any] = {"smoothing": 0.0, "num_threads": 1}
 FINE = fedic.MeshQuadrature(density=9.0)
 """Enough points for the integrals of the bound."""
 

@@ -57,6 +57,34 @@ pub enum MeshError {
         /// Indices of the cells over all blocks.
         cells: Vec<usize>,
     },
+    /// Cells that list a node more than once and are no triangles written as quadrilaterals.
+    #[error(
+        "{} {} a node more than once; a quad with two equal neighbouring corners, or a quad8 with an edge of three equal nodes, \
+         counts as a triangle, other cells need different nodes",
+        list_indices("cell", cells),
+        if cells.len() == 1 { "lists" } else { "list" }
+    )]
+    RepeatedNodes {
+        /// Indices of the cells over all blocks.
+        cells: Vec<usize>,
+    },
+    /// Nodes are joined so far apart that cells lose their area.
+    #[error(
+        "nodes up to {tolerance} apart are joined, which collapses {}; choose a tolerance below the shortest edge",
+        list_indices("cell", cells)
+    )]
+    CollapsedCells {
+        /// Indices of the cells over all blocks.
+        cells: Vec<usize>,
+        /// The tolerance given.
+        tolerance: f64,
+    },
+    /// A tolerance that is negative or not finite.
+    #[error("tolerance must be a finite number from 0 on, in the mesh's unit, got {tolerance}")]
+    InvalidTolerance {
+        /// The tolerance given.
+        tolerance: f64,
+    },
     /// A named set refers to a node or cell that does not exist.
     #[error("set \"{name}\" refers to {kind} {index}, but the mesh has {count} {kind}s")]
     SetOutOfRange {

@@ -27,10 +27,13 @@ impl IntoPyErr for MeshError {
         let message = self.to_string();
         let (cells, nodes) = match self {
             Self::InvalidScale { .. } => return option_error(message, "factor"),
+            Self::InvalidTolerance { .. } => return option_error(message, "tolerance"),
             Self::InvalidRotation => return option_error(message, "rotation"),
             Self::NonFinitePoint { node } => (vec![], vec![node]),
             Self::NodeOutOfRange { cell, .. } => (vec![cell], vec![]),
-            Self::DegenerateCells { cells } => (cells, vec![]),
+            Self::DegenerateCells { cells } | Self::RepeatedNodes { cells } | Self::CollapsedCells { cells, .. } => {
+                (cells, vec![])
+            }
             _ => (vec![], vec![]),
         };
         python::MeshError::new_err((message, cells, nodes))

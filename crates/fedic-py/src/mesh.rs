@@ -13,11 +13,16 @@ use crate::mesh_set;
 use crate::strains::{self, StrainQuery};
 use crate::worker::run;
 
+/// Distance of nodes at one place, or of a node from an edge on which it lies, relative to the edge. Files of single precision round by 1e-5 of an edge.
+const COINCIDENT: f64 = 1e-4;
+/// Ratio of the least to the largest area element of a cell below which it is strongly distorted.
+const DISTORTED: f64 = 1.0 / 30.0;
+
 /// A surface mesh, plane or in space.
 ///
 /// Cells of a plane mesh listed clockwise are reversed. In space, neighbouring cells get the same orientation, the one in
 /// which most of their surface is counter-clockwise seen from ``+z``. Nodes that no cell uses are kept, so that indices do
-/// not change.
+/// not change. A quadrilateral with a repeated node, such as 2, 5, 6, 6, is measured as a triangle.
 ///
 /// Parameters
 /// ----------
@@ -32,7 +37,7 @@ use crate::worker::run;
 /// ------
 /// MeshError
 ///     If an array has the wrong shape or type, a coordinate is not finite, a cell or set refers to a node or cell that does
-///     not exist, or a cell has zero area or is folded; ``error.cells`` and ``error.nodes`` list the ones at fault.
+///     not exist, or a cell has zero area, is folded or lists a node twice and is no triangle written as a quadrilateral; ``error.cells`` and ``error.nodes`` list the ones at fault.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Mesh {
     pub(crate) inner: fedic::Mesh,
@@ -197,6 +202,62 @@ impl Mesh {
         };
         let centre = centre.map_or(Ok([0.0; 3]), |centre| arrays::vector(centre, "centre", argument_error))?;
         self.moved(self.inner.rotated(matrix, centre))
+    }
+
+    /// The mesh with nodes joined that are close to each other.
+    ///
+    /// Joined nodes become the lowest-numbered one, at its place; the nodes that remain keep their order. Cells keep their
+    /// numbers, and sets are renumbered. A quadrilateral that loses one edge is measured as a triangle.
+    ///
+    /// Parameters
+    /// ----------
+    /// tolerance : float
+    ///     Largest distance of joined nodes, in the mesh's unit; nodes may also be joined by way of others between them. With 0
+    ///     nodes at the very same place are joined.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     If the tolerance is negative or not finite.
+    /// MeshError
+    ///     If a cell would lose its area; ``error.cells`` lists them.
+    ///
+    /// See Also
+    /// --------
+    /// coincident_nodes : Nodes to be joined.
+    fn merge_nodes(&self, tolerance: f64) -> PyResult<Self> {
+        self.moved(self.inner.merge_nodes(tolerance))
+    }
+
+    /// Nodes of cells at the place of another one.
+    ///
+    /// Two nodes are at one place if they are closer than 1e-4 times the longest edge at either of them. They make a seam, along
+    /// which the displacement may jump: the two sides of a crack, or parts that were meshed side by side and not joined. The
+    /// measurement warns of them.
+    ///
+    /// Returns
+    /// -------
+    /// (m, 2) int64
+    ///     The lowest-numbered node at a place, and each other node there.
+    fn coincident_nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        let pairs = self.inner.coincident_nodes(COINCIDENT).into_iter().flatten().map(i64::from).collect();
+        table(py, pairs, 2)
+    }
+
+    /// Indices of nodes that lie on the edge of a cell without being its nodes, (m,) int64, ascending: parts whose nodes do not
+    /// match along a seam. Edges are straight between their nodes.
+    fn hanging_nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.inner.hanging_nodes(COINCIDENT).into_iter().map(i64::from))
+    }
+
+    /// Indices of strongly distorted cells, (m,) int64, ascending: the area element at one of their nodes is less than 1/30 of
+    /// that at another. Cells are numbered over all types in order.
+    fn distorted_cells<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.inner.distorted_cells(DISTORTED).into_iter().map(|cell| cell as i64))
     }
 
     /// Write the mesh with its named sets.

@@ -1,5 +1,9 @@
 //! The mesh: nodes, cells of any mixture of types and named sets, validated on construction.
 
+mod coincident;
+mod collapsed;
+mod distortion;
+mod hanging;
 mod orientation;
 mod sets;
 mod transform;
@@ -42,7 +46,8 @@ impl Mesh {
     /// # Errors
     ///
     /// [`MeshError`] if there is no cell, a coordinate is not finite, a cell refers to a node that does not exist, or cells
-    /// have zero area or a Jacobian that changes sign.
+    /// have zero area, a Jacobian that changes sign or repeated nodes other than those of
+    /// [`collapsed_as_triangles`](Self::collapsed_as_triangles).
     ///
     /// # Examples
     ///
@@ -71,6 +76,7 @@ impl Mesh {
             return Err(MeshError::Empty);
         }
         mesh.orient()?;
+        mesh.check_repeated_nodes()?;
         Ok(mesh)
     }
 

@@ -122,13 +122,12 @@ impl Neighbours {
 }
 
 /// The edges of a cell between its corners, in ascending order of nodes, and whether the cell runs along them in that order.
+/// Two equal corners make no edge.
 fn corner_edges(mesh: &Mesh, cell: usize) -> impl Iterator<Item = ([u32; 2], bool)> + '_ {
     let cell = mesh.cell(cell);
     let corners = &cell.nodes[..cell.cell_type.num_corners()];
-    corners.iter().enumerate().map(move |(k, &from)| {
-        let to = corners[(k + 1) % corners.len()];
-        ([from.min(to), from.max(to)], from < to)
-    })
+    let edges = corners.iter().enumerate().map(move |(k, &from)| (from, corners[(k + 1) % corners.len()]));
+    edges.filter(|(from, to)| from != to).map(|(from, to)| ([from.min(to), from.max(to)], from < to))
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

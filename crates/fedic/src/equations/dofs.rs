@@ -6,7 +6,7 @@ use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SpdSolver, SymmetricM
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::{Error, SolveError};
 
-/// The mesh without unused nodes, and its unknowns: `D` at each node.
+/// The mesh without unused nodes, collapsed quadrilaterals being triangles, and its unknowns: `D` at each node.
 #[derive(Debug, Clone)]
 pub(crate) struct Dofs<const D: usize> {
     pub(crate) mesh: Mesh,
@@ -24,7 +24,7 @@ impl<const D: usize> Dofs<D> {
     ///
     /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
-        let (mesh, kept) = user_mesh.compact();
+        let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
         let pattern = Pattern::new(mesh.num_nodes(), D, mesh.cells().map(|cell| cell.nodes));
         let cholesky =
             Cholesky::new(&pattern, mesh.points()).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;

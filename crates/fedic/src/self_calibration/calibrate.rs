@@ -89,7 +89,7 @@ pub fn calibrate_on_specimen_with(
 ) -> Result<SelfCalibration, Error> {
     options.check()?;
     input.check()?;
-    let (mesh, _) = input.mesh.compact();
+    let (mesh, _) = input.mesh.collapsed_as_triangles().compact();
     let input = SpecimenImages { mesh: &mesh, ..*input };
     let solve = || solve(&input, options, monitor);
     match options.num_threads.map(thread_pool).transpose()? {
