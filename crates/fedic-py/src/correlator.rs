@@ -133,10 +133,16 @@ impl Solution {
         to_array(py, &self.0.pixel_displacement)
     }
 
-    /// Whether the last correction was within the tolerance.
+    /// Whether the error left by the iterations is within the tolerance.
     #[getter]
     fn converged(&self) -> bool {
         self.0.converged
+    }
+
+    /// Estimate of the largest error of a node that the iterations leave, in pixels.
+    #[getter]
+    fn error_left(&self) -> f64 {
+        self.0.error_left
     }
 
     /// Iterations on the images at full resolution.

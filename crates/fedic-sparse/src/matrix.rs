@@ -58,6 +58,39 @@ impl SymmetricMatrix {
         }
     }
 
+    /// Adds `factor` times `T^T A T` for another matrix `A` of the same pattern and a block-diagonal `T`, of one block for each node.
+    ///
+    /// # Panics
+    ///
+    /// If the patterns differ in size, `D` is not the block size, or there are fewer blocks than nodes.
+    pub fn add_congruent<const D: usize>(
+        &mut self,
+        pattern: &Pattern,
+        factor: f64,
+        other: &Self,
+        blocks: &[[[f64; D]; D]],
+    ) {
+        assert_eq!(self.values.len(), other.values.len(), "matrices of different patterns");
+        assert_eq!(D, pattern.block(), "blocks of another size");
+        for node in 0..pattern.num_nodes() {
+            for (place, &row) in pattern.node_column(node).iter().enumerate() {
+                // Entry (i, j) of the block; that of the diagonal is stored as its lower triangle.
+                let entry = |i: usize, j: usize| {
+                    let (i, j) = if place == 0 && i < j { (j, i) } else { (i, j) };
+                    pattern.column_start(node, j) + place * D + i - j
+                };
+                let (left, right) = (&blocks[row as usize], &blocks[node]);
+                for q in 0..D {
+                    for p in if place == 0 { q..D } else { 0..D } {
+                        let terms = (0..D).flat_map(|i| (0..D).map(move |j| (i, j)));
+                        let sum: f64 = terms.map(|(i, j)| left[i][p] * other.values[entry(i, j)] * right[j][q]).sum();
+                        self.values[entry(p, q)] += factor * sum;
+                    }
+                }
+            }
+        }
+    }
+
     /// Product `y = A x`.
     ///
     /// # Panics

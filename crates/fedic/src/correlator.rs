@@ -311,6 +311,7 @@ impl Correlator {
             displacement: self.dofs.extend(&outcome.displacement),
             pixel_displacement: self.dofs.extend(&pixels),
             converged: outcome.converged,
+            error_left: outcome.error_left,
             iterations: history.iter().filter(|iteration: &&Iteration| iteration.level == 0).count(),
             history,
             residual_rms,
@@ -322,7 +323,7 @@ impl Correlator {
 
     fn nodal_basis(&self) -> NodalBasis<'_, PLANE> {
         let Level { factor, observation, .. } = &self.level;
-        NodalBasis { dofs: &self.dofs, factor, quadrature: &observation.quadrature }
+        NodalBasis::new(&self.dofs, factor, &observation.quadrature)
     }
 
     /// Prepares a deformed image for interpolation.

@@ -7,8 +7,9 @@ use crate::equations::normal_equations::{CellEquations, CellShare, NormalEquatio
 
 /// Unknowns of a nodal field and the normal equations in them.
 ///
-/// The nodal basis has the displacement of every node as unknowns. A reduced basis has a few parameters `p` with `U = U0 + S p`, and
-/// the equations `S^T M S dp = S^T b`.
+/// The nodal basis has an increment of every node as unknowns, in the reference configuration: `dU = F dV`, see
+/// [`deformation`](crate::equations::deformation). A reduced basis has a few parameters `p` with `U = U0 + S p`, and the equations
+/// `S^T M S dp = S^T b`.
 pub(crate) trait Basis<const D: usize>: Sync {
     /// Prepares the basis for a step from this displacement.
     fn linearize(&mut self, _displacement: &[[f64; D]]) {}
@@ -22,10 +23,16 @@ pub(crate) trait Basis<const D: usize>: Sync {
     /// Adds the share of a cell.
     fn add_cell(&self, cell: usize, share: &CellShare<D>, equations: &mut NormalEquations);
 
-    /// Adds `factor` times a vector of nodal unknowns to the right-hand side.
+    /// Largest relative change of length in the field that the basis was prepared for.
+    fn stretch(&self) -> f64;
+
+    /// Adds `factor` times a vector of the increment in the reference configuration to the right-hand side.
+    fn add_material_vector(&self, factor: f64, nodal: &[f64], equations: &mut NormalEquations);
+
+    /// Adds `factor` times a vector of the increment of the displacement to the right-hand side.
     fn add_vector(&self, factor: f64, nodal: &[f64], equations: &mut NormalEquations);
 
-    /// Adds `factor` times a matrix of nodal unknowns to the Hessian, if the equations have one.
+    /// Adds `factor` times a matrix of the increment of the displacement to the Hessian, if the equations have one.
     fn add_matrix(&self, factor: f64, nodal: &SymmetricMatrix, equations: &mut NormalEquations);
 
     /// Increment of the nodal field that solves the equations.

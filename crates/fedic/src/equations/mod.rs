@@ -3,6 +3,7 @@
 //! May import: options, error, quadrature, kernels, projection, interpolation, observation.
 
 pub(crate) mod basis;
+pub(crate) mod deformation;
 pub(crate) mod dofs;
 pub(crate) mod normal_equations;
 pub(crate) mod term;

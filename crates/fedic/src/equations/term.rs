@@ -19,6 +19,11 @@ pub(crate) trait Term<const D: usize> {
         monitor: &dyn Monitor,
     ) -> Result<TermReport, Error>;
 
+    /// Whether the term is a penalty on the displacement, without image.
+    fn is_penalty(&self) -> bool {
+        false
+    }
+
     /// Length in pixels of an increment at each node, from the displacement that was assembled last. `None` for a term without
     /// image.
     fn pixel_lengths(&mut self, _increment: &[[f64; D]]) -> Option<Vec<f64>> {

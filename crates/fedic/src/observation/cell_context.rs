@@ -6,7 +6,7 @@ use std::ops::Range;
 use fedic_camera::Camera;
 use fedic_mesh::CellType;
 
-use crate::kernels::gradient::{GradientVectors, project_gradient};
+use crate::kernels::gradient::{GradientVectors, LinearJacobian, project_gradient};
 use crate::kernels::polynomial::pixel_coordinates;
 use crate::observation::workspace::{Projector, UnsharedShapeTable};
 use crate::projection::cell_projection::CellProjection;
@@ -81,21 +81,18 @@ impl<const D: usize> CellContext<'_, D> {
             accumulate(chunk, first..first + chunk.padded());
         }
     }
+}
 
-    /// Writes the sensitivity `q = J^T grad f` of a chunk, whose gradients are given in units of `unit`. Nothing is done for a
-    /// cell without a polynomial: its sensitivities are written by [`exact_sensitivity`] while it is projected.
-    pub(crate) fn sensitivity<G: GradientVectors>(
-        &self,
-        chunk: ShapeTableChunk<'_>,
-        unit: f32,
-        gradient: G,
-        q: [&mut [f32]; D],
-    ) {
-        if let Some(polynomial) = &self.projection.polynomial {
-            let jacobian = polynomial.jacobian.map(|row| row.map(|entry| entry.map(|c| unit * c)));
-            project_gradient(chunk, &jacobian, gradient, q);
-        }
-    }
+/// Writes the sensitivity `q = J^T grad f` of a chunk, whose gradients are given in units of `unit`.
+pub(crate) fn linear_sensitivity<G: GradientVectors, const D: usize>(
+    chunk: ShapeTableChunk<'_>,
+    jacobian: &LinearJacobian<D>,
+    unit: f32,
+    gradient: G,
+    q: [&mut [f32]; D],
+) {
+    let jacobian = jacobian.map(|row| row.map(|entry| entry.map(|c| unit * c)));
+    project_gradient(chunk, &jacobian, gradient, q);
 }
 
 /// Writes the sensitivities of a batch projected exactly, from the image gradient at each point.

@@ -4,7 +4,7 @@ use fedic_image::Interpolator;
 
 use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::kernels::residual::moments;
-use crate::observation::cell_context::{CellContext, ImagePoints, exact_sensitivity};
+use crate::observation::cell_context::{CellContext, ImagePoints};
 use crate::observation::observe::Observation;
 use crate::observation::photometry::{Moments, change_origin};
 use crate::observation::workspace::{UnsharedShapeTable, Workspace};
@@ -18,9 +18,8 @@ pub(crate) struct DeformedCell {
 
 /// Evaluates the deformed image at the points of a cell.
 ///
-/// The grey levels are left in `workspace.points.grey`; where the cell has no polynomial, the sensitivities in
-/// `workspace.points.q`. If some points lie outside the image, `workspace.points.weights` holds the weights of all points, zero
-/// for these.
+/// The grey levels are left in `workspace.points.grey`. If some points lie outside the image, `workspace.points.weights` holds the
+/// weights of all points, zero for these.
 pub(crate) fn read_deformed<const D: usize>(
     observation: &Observation<D>,
     deformed: &Interpolator,
@@ -32,14 +31,13 @@ pub(crate) fn read_deformed<const D: usize>(
     let samples = observation.samples.cell(cell);
     let Workspace { projector, points: buffers, .. } = workspace;
     buffers.resize(count);
-    let (grey, q) = (&mut buffers.grey, &mut buffers.q);
+    let grey = &mut buffers.grey;
     observation.samples.prefetch_gradient(cell);
     context.for_each_projection(projector, |image_points, points| match image_points {
         ImagePoints::Near { origin, u, v } => deformed.values_near(origin, u, v, &mut grey[points]),
         ImagePoints::Exact(batch) => {
             let [u, v] = batch.pixels();
-            deformed.values(u, v, &mut grey[points.clone()]);
-            exact_sensitivity(batch, points, |k| samples.gradient_at(k), q);
+            deformed.values(u, v, &mut grey[points]);
         }
     });
     observation.samples.prefetch_value(cell);
@@ -60,7 +58,6 @@ pub(crate) fn read_deformed<const D: usize>(
         weight += f64::from(buffers.weights[k]);
         if !inside {
             buffers.grey[k] = 0.0;
-            buffers.q.iter_mut().for_each(|q| q[k] = 0.0);
         }
     }
     let weights = Some(&*buffers.weights);

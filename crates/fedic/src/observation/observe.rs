@@ -6,6 +6,7 @@ use fedic_camera::Camera;
 use fedic_mesh::Mesh;
 
 use crate::interpolation::image_sampler::ImageSampler;
+use crate::kernels::gradient::LinearJacobian;
 use crate::observation::photometry::{FLAT, Moments};
 use crate::observation::reference_pass::{ReferencePass, ReferenceSums, typical_grey_level};
 use crate::observation::reference_samples::ReferenceSamples;
@@ -23,6 +24,8 @@ pub(crate) struct Observation<const D: usize> {
     pub(crate) size: [usize; 2],
     pub(crate) quadrature: CellQuadrature,
     pub(crate) samples: ReferenceSamples,
+    /// Jacobian of the camera over each cell at the reference position; `None` where it is not nearly linear.
+    pub(crate) jacobians: Vec<Option<LinearJacobian<D>>>,
     /// Origin of the grey levels in moments.
     pub(crate) grey_origin: f32,
     /// Moments of the reference image over each cell.
@@ -81,7 +84,7 @@ impl<const D: usize> Observation<D> {
             grey_origin,
         };
         let (mut moments, mut total) = (Vec::with_capacity(mesh.num_cells()), Moments::default());
-        let mut outside = Vec::new();
+        let (mut outside, mut jacobians) = (Vec::new(), Vec::with_capacity(mesh.num_cells()));
         let mut photometric = [(); 2].map(|()| vec![0.0; mesh.num_nodes() * D]);
         for_each_in_order(
             samples.cells_mut(),
@@ -93,6 +96,7 @@ impl<const D: usize> Observation<D> {
                 }
                 total.add(&sums.moments);
                 moments.push(sums.moments);
+                jacobians.push(sums.jacobian);
                 if sums.outside {
                     outside.push(cell);
                 }
@@ -108,7 +112,7 @@ impl<const D: usize> Observation<D> {
         if num_points > 0 && (std.is_nan() || std <= FLAT) {
             return Err(Error::Flat { which: "reference", std });
         }
-        Ok(Self { camera, size, quadrature, samples, grey_origin, moments, photometric })
+        Ok(Self { camera, size, quadrature, samples, jacobians, grey_origin, moments, photometric })
     }
 
     /// Number of quadrature points.

@@ -6,9 +6,10 @@ use fedic_mesh::{MAX_NODES, Mesh};
 use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::cell_matrix::CellMatrix;
+use crate::kernels::gradient::LinearJacobian;
 use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, moments, weighted_residuals};
-use crate::observation::cell_context::{CellContext, ImagePoints, exact_sensitivity};
+use crate::observation::cell_context::{CellContext, ImagePoints, exact_sensitivity, linear_sensitivity};
 use crate::observation::photometry::{Moments, change_origin};
 use crate::observation::reference_samples::CellSamplesMut;
 use crate::observation::weights::fill_weights;
@@ -37,6 +38,8 @@ pub(crate) struct ReferenceSums<const D: usize> {
     pub(crate) moments: Moments,
     /// `sum w N^T q f`, grey levels counted from the origin, and `sum w N^T q`, by node.
     pub(crate) photometric: [[[f64; D]; MAX_NODES]; 2],
+    /// Jacobian of the camera over the cell; `None` where it is not nearly linear.
+    pub(crate) jacobian: Option<LinearJacobian<D>>,
     /// Whether some points lie outside the image. They get no weight.
     pub(crate) outside: bool,
 }
@@ -131,11 +134,15 @@ impl ReferencePass<'_> {
         let mut photometric = [[[0.0; D]; MAX_NODES]; 2];
         let origin = value.first().copied().unwrap_or_default();
         let mut levels = [0.0; 2];
+        let jacobian = context.projection.polynomial.map(|polynomial| polynomial.jacobian);
         let Workspace { projector, points: buffers, weighted, .. } = workspace;
         context.for_each_chunk(&mut projector.shapes, |chunk, points| {
             let weights = weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
-            let gradient = buffers.gradient.each_ref().map(|along| &along[points.clone()]);
-            context.sensitivity(chunk, 1.0, gradient, buffers.q.each_mut().map(|q| &mut q[points.clone()]));
+            if let Some(jacobian) = &jacobian {
+                let gradient = buffers.gradient.each_ref().map(|along| &along[points.clone()]);
+                let q = buffers.q.each_mut().map(|q| &mut q[points.clone()]);
+                linear_sensitivity(chunk, jacobian, 1.0, gradient, q);
+            }
             let q = buffers.q.each_ref().map(|q| &q[points.clone()]);
             matrix.add(chunk, q, weights);
             let value = &value[points];
@@ -157,7 +164,13 @@ impl ReferencePass<'_> {
         let [weight, f, ff] = [weight, f, ff].map(|sum| scale * sum);
         matrix.scale(scale);
         photometric.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|sum| *sum *= scale);
-        ReferenceSums { matrix, moments: Moments { weight, f, ff, ..Moments::default() }, photometric, outside }
+        ReferenceSums {
+            matrix,
+            moments: Moments { weight, f, ff, ..Moments::default() },
+            photometric,
+            jacobian,
+            outside,
+        }
     }
 }
 

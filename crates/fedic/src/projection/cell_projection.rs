@@ -6,7 +6,7 @@ use fedic_camera::Camera;
 use fedic_mesh::{Cell, CellType, MAX_NODES, Mesh};
 
 use crate::projection::cell_polynomial::{CELLS_AT_ONCE, CellPolynomial, fit_cells};
-use crate::projection::pointwise::{BATCH, PointwiseProjector};
+use crate::projection::pointwise::PointwiseProjector;
 use crate::projection::projected_points::ProjectedPoint;
 use crate::quadrature::cell_quadrature::CellQuadrature;
 
@@ -43,16 +43,11 @@ impl<'a, const D: usize> CellProjection<'a, D> {
         quadrature: &CellQuadrature,
         cell: usize,
         camera: &dyn Camera,
-        mut use_batch: impl FnMut(&mut PointwiseProjector, Range<usize>),
+        use_batch: impl FnMut(&mut PointwiseProjector, Range<usize>),
     ) {
-        let count = quadrature.range(cell).len();
         let positions = self.nodes.map(|node| node.world);
-        for first in (0..count).step_by(BATCH) {
-            let points = first..count.min(first + BATCH);
-            batch.load(quadrature, cell, self.cell_type, first, points.len());
-            batch.project_with_jacobian(camera, &positions[..self.cell_type.num_nodes()]);
-            use_batch(batch, points);
-        }
+        let nodes = &positions[..self.cell_type.num_nodes()];
+        batch.for_each_batch(quadrature, (cell, self.cell_type), nodes, camera, use_batch);
     }
 }
 

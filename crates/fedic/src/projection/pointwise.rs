@@ -2,6 +2,8 @@
 //!
 //! Every stage fills arrays by component, so that the next stage runs over contiguous numbers.
 
+use std::ops::Range;
+
 use fedic_camera::Camera;
 use fedic_mesh::{CellType, MAX_NODES, shape_values_batch};
 
@@ -55,6 +57,24 @@ impl PointwiseProjector {
         let n = self.padded;
         quadrature.coordinates(cell, first, &mut self.xi[..n], &mut self.eta[..n]);
         shape_values_batch(cell_type, &self.xi[..n], &self.eta[..n], &mut self.shape);
+    }
+
+    /// Projects all points of a cell with these nodes, batch by batch. `use_batch` gets the batch and the points that it holds.
+    pub(crate) fn for_each_batch(
+        &mut self,
+        quadrature: &CellQuadrature,
+        (cell, cell_type): (usize, CellType),
+        nodes: &[[f64; 3]],
+        camera: &dyn Camera,
+        mut use_batch: impl FnMut(&mut Self, Range<usize>),
+    ) {
+        let count = quadrature.range(cell).len();
+        for first in (0..count).step_by(BATCH) {
+            let points = first..count.min(first + BATCH);
+            self.load(quadrature, cell, cell_type, first, points.len());
+            self.project_with_jacobian(camera, nodes);
+            use_batch(self, points);
+        }
     }
 
     /// Interpolates the positions of the nodes.

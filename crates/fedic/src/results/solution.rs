@@ -23,8 +23,11 @@ pub struct Solution {
     pub displacement: Vec<[f64; PLANE]>,
     /// Displacement of each node in the image, `P(X + U) - P(X)`, in pixels.
     pub pixel_displacement: Vec<[f64; 2]>,
-    /// Whether the last correction was within the tolerance.
+    /// Whether the error left by the iterations is within the tolerance.
     pub converged: bool,
+    /// Estimate of the largest error of a node that the iterations leave, in pixels: the sum of the corrections to come, if each is
+    /// smaller than the one before by the ratio found.
+    pub error_left: f64,
     /// Iterations on the images at full resolution.
     pub iterations: usize,
     /// Every iteration, coarsest level first.

@@ -5,12 +5,19 @@ use crate::equations::term::{Term, TermReport};
 use crate::results::solution::Iteration;
 use crate::{Error, Hessian, Monitor, Progress, SolveError, Stage};
 
+/// Smallest ratio of successive corrections that is trusted. The first ratios may be far smaller than those that follow.
+const MIN_RATIO: f64 = 0.25;
+/// Largest ratio of successive corrections that is told from one.
+const MAX_RATIO: f64 = 0.99;
+/// Relative change of length from which on a penalty is added to a new Hessian: the kept one weighs it in the reference configuration.
+const MAX_STRETCH: f64 = 0.05;
+
 /// Stopping criterion and options of the iterations.
 pub(crate) struct GaussNewton {
     /// Level of the pyramid, 0 for the full resolution.
     pub(crate) level: usize,
     pub(crate) hessian: Hessian,
-    /// Largest increment at which the iterations stop, in pixels of the level.
+    /// Largest error left at which the iterations stop, in pixels of the level.
     pub(crate) tolerance: f64,
     pub(crate) max_iterations: usize,
     /// Increment in pixels from which on the iterations have diverged: the larger side of the image.
@@ -21,6 +28,8 @@ pub(crate) struct GaussNewton {
 pub(crate) struct Outcome<const D: usize> {
     pub(crate) displacement: Vec<[f64; D]>,
     pub(crate) converged: bool,
+    /// Estimate of the largest error of a node that is left, in pixels of the level.
+    pub(crate) error_left: f64,
     /// Report of each term at the displacement before the last increment.
     pub(crate) reports: Vec<TermReport>,
 }
@@ -42,10 +51,12 @@ impl GaussNewton {
         monitor: &dyn Monitor,
     ) -> Result<Outcome<D>, Error> {
         let mut iteration = 0;
+        let mut previous = None;
         loop {
             iteration += 1;
             basis.linearize(&displacement);
-            let mut equations = basis.equations(self.hessian == Hessian::Updated);
+            let penalised = terms.iter().any(|term| term.is_penalty()) && basis.stretch() > MAX_STRETCH;
+            let mut equations = basis.equations(self.hessian == Hessian::Updated || penalised);
             let mut reports = Vec::with_capacity(terms.len());
             for term in terms.iter_mut() {
                 reports.push(term.assemble(&displacement, basis, &mut equations, monitor)?);
@@ -76,9 +87,11 @@ impl GaussNewton {
                 correction: done.correction,
                 residual_rms: done.residual_rms,
             });
-            let converged = largest <= self.tolerance;
+            let error_left = error_left(previous, largest);
+            previous = Some(largest);
+            let converged = error_left <= self.tolerance;
             if converged || iteration == self.max_iterations {
-                return Ok(Outcome { displacement, converged, reports });
+                return Ok(Outcome { displacement, converged, error_left, reports });
             }
         }
     }
@@ -92,6 +105,14 @@ impl GaussNewton {
         let correction = lengths.iter().copied().fold(0.0, |m: f64, c| if c.is_nan() { c } else { m.max(c) });
         SolveError::Diverged { iteration, nodes, correction }
     }
+}
+
+/// Estimate of the error that is left after the correction `last`: the sum of the corrections to come, a geometric series of the
+/// ratio found. A first correction is taken to be followed by ones half as large.
+fn error_left(previous: Option<f64>, last: f64) -> f64 {
+    let ratio = previous.map_or(0.5, |previous| (last / previous).clamp(MIN_RATIO, MAX_RATIO));
+    // Without any correction the ratio may be a NaN.
+    if last > 0.0 { last * ratio / (1.0 - ratio) } else { last }
 }
 
 /// Length in pixels of an increment at each node: the largest over the terms with an image.

@@ -103,7 +103,7 @@ impl<const D: usize> Level<D> {
     ) -> Result<Outcome<D>, Error> {
         let mut image = self.image_term(dofs, deformed, brightness);
         image.estimate_gain_offset(&start, &self.subset, monitor)?;
-        let mut basis = NodalBasis { dofs, factor: &self.factor, quadrature: &self.observation.quadrature };
+        let mut basis = NodalBasis::new(dofs, &self.factor, &self.observation.quadrature);
         let mut penalty =
             self.penalty.as_ref().map(|(laplacian, factor)| Tikhonov { dofs, laplacian, factor: *factor });
         let outcome = match &mut penalty {

@@ -10,7 +10,7 @@ use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::kernels::cell_matrix::CellMatrix;
 use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, weighted_residuals};
-use crate::observation::cell_context::CellContext;
+use crate::observation::cell_context::{CellContext, exact_sensitivity, linear_sensitivity};
 use crate::observation::deformed_pass::{DeformedCell, read_deformed};
 use crate::observation::observe::Observation;
 use crate::observation::photometry::{FLAT, GainOffset, Moments};
@@ -201,12 +201,19 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         let mut sums = [[0.0; D]; MAX_NODES];
         let mut squares = 0.0;
         let mut matrix = with_hessian.then(|| CellMatrix::zeros(context.cell_type.num_nodes()));
+        let jacobian = observation.jacobians[cell].as_ref();
+        if jacobian.is_none() {
+            self.exact_sensitivities(workspace, cell);
+        }
         let Workspace { projector, points: buffers, weighted, .. } = workspace;
         let weights = if outside { Some(&*buffers.weights) } else { samples.weights };
         context.for_each_chunk(&mut projector.shapes, |chunk, points| {
             let weights = weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
-            let gradient = samples.gradient.part(points.clone());
-            context.sensitivity(chunk, samples.step, gradient, buffers.q.each_mut().map(|q| &mut q[points.clone()]));
+            if let Some(jacobian) = jacobian {
+                let gradient = samples.gradient.part(points.clone());
+                let q = buffers.q.each_mut().map(|q| &mut q[points.clone()]);
+                linear_sensitivity(chunk, jacobian, samples.step, gradient, q);
+            }
             let grey_levels = GreyLevels {
                 reference: &samples.value[points.clone()],
                 deformed: &buffers.grey[points.clone()],
@@ -230,6 +237,20 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             accepted: context.projection.polynomial.is_some(),
             outside,
         }
+    }
+}
+
+impl<const D: usize> ImageTerm<'_, D> {
+    /// Writes the sensitivities of a cell whose Jacobian is not nearly linear, from the exact one at each point.
+    fn exact_sensitivities(&self, workspace: &mut Workspace<D>, cell: usize) {
+        let Workspace { projector, points: buffers, .. } = workspace;
+        let observation = self.observation;
+        let samples = observation.samples.cell(cell);
+        let (of_cell, nodes) = ((cell, self.mesh.cell(cell).cell_type), self.mesh.cell_points(cell));
+        let (quadrature, camera) = (&observation.quadrature, observation.camera.as_ref());
+        projector.pointwise.for_each_batch(quadrature, of_cell, &nodes, camera, |batch, points| {
+            exact_sensitivity(batch, points, |k| samples.gradient_at(k), &mut buffers.q);
+        });
     }
 }
 
@@ -283,7 +304,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
                 return Err(Error::Flat { which: "deformed", std });
             }
             if self.brightness == Brightness::Global {
-                basis.add_vector(-1.0, &self.photometric_change(self.gain_offset, found), equations);
+                basis.add_material_vector(-1.0, &self.photometric_change(self.gain_offset, found), equations);
             }
         }
         self.gain_offset = found;

@@ -42,6 +42,10 @@ impl<const D: usize> Term<D> for Tikhonov<'_, D> {
         let energy: f64 = gradient.iter().zip(displacement).map(|(g, u)| g * u).sum();
         Ok(TermReport { cost: self.factor * energy, ..TermReport::default() })
     }
+
+    fn is_penalty(&self) -> bool {
+        true
+    }
 }
 
 impl<const D: usize> Tikhonov<'_, D> {

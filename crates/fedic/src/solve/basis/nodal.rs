@@ -4,20 +4,33 @@ use fedic_sparse::{Factor, SpdFactor, SymmetricMatrix};
 
 use crate::SolveError;
 use crate::equations::basis::Basis;
+use crate::equations::deformation::NodalDeformation;
 use crate::equations::dofs::Dofs;
 use crate::equations::normal_equations::{CellEquations, CellShare, Hessian, NormalEquations};
 use crate::quadrature::cell_quadrature::CellQuadrature;
 
-/// Displacement of every node as unknowns, solved for with a sparse factor.
+/// Increment of every node in the reference configuration as unknowns, solved for with a sparse factor.
 pub(crate) struct NodalBasis<'a, const D: usize> {
-    pub(crate) dofs: &'a Dofs<D>,
+    dofs: &'a Dofs<D>,
     /// Factor used where the equations have no Hessian.
-    pub(crate) factor: &'a Factor,
+    factor: &'a Factor,
     /// Quadrature of an observation; names the poorest cell if the equations are singular.
-    pub(crate) quadrature: &'a CellQuadrature,
+    quadrature: &'a CellQuadrature,
+    deformation: NodalDeformation<D>,
+}
+
+impl<'a, const D: usize> NodalBasis<'a, D> {
+    /// The basis at no displacement.
+    pub(crate) fn new(dofs: &'a Dofs<D>, factor: &'a Factor, quadrature: &'a CellQuadrature) -> Self {
+        Self { dofs, factor, quadrature, deformation: NodalDeformation::none(dofs.mesh.num_nodes()) }
+    }
 }
 
 impl<const D: usize> Basis<D> for NodalBasis<'_, D> {
+    fn linearize(&mut self, displacement: &[[f64; D]]) {
+        self.deformation = NodalDeformation::of(&self.dofs.mesh, displacement);
+    }
+
     fn equations(&self, with_hessian: bool) -> NormalEquations {
         let pattern = &self.dofs.pattern;
         NormalEquations {
@@ -41,13 +54,21 @@ impl<const D: usize> Basis<D> for NodalBasis<'_, D> {
         }
     }
 
-    fn add_vector(&self, factor: f64, nodal: &[f64], equations: &mut NormalEquations) {
+    fn stretch(&self) -> f64 {
+        self.deformation.stretch
+    }
+
+    fn add_material_vector(&self, factor: f64, nodal: &[f64], equations: &mut NormalEquations) {
         equations.right_hand_side.iter_mut().zip(nodal).for_each(|(b, value)| *b += factor * value);
+    }
+
+    fn add_vector(&self, factor: f64, nodal: &[f64], equations: &mut NormalEquations) {
+        self.add_material_vector(factor, &self.deformation.pulled_back(nodal), equations);
     }
 
     fn add_matrix(&self, factor: f64, nodal: &SymmetricMatrix, equations: &mut NormalEquations) {
         if let Some(Hessian::Sparse(hessian)) = &mut equations.hessian {
-            hessian.add_scaled(factor, nodal);
+            hessian.add_congruent(&self.dofs.pattern, factor, nodal, self.deformation.gradients());
         }
     }
 
@@ -59,6 +80,7 @@ impl<const D: usize> Basis<D> for NodalBasis<'_, D> {
             }
             _ => self.factor.solve(&mut increment),
         }
+        self.deformation.push_forward(&mut increment);
         Ok(increment.as_chunks::<D>().0.to_vec())
     }
 }

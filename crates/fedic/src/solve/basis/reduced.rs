@@ -1,23 +1,38 @@
 //! Reduced bases: the nodal field depends on the parameters of some modes.
 
 use fedic_sparse::SymmetricMatrix;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use crate::SolveError;
 use crate::equations::basis::Basis;
+use crate::equations::deformation::NodalDeformation;
 use crate::equations::dofs::Dofs;
 use crate::equations::normal_equations::{CellEquations, CellShare, Hessian, NormalEquations};
 use crate::solve::basis::modes::Modes;
 
 /// Parameters of some modes `S` as unknowns, with dense equations `S^T M S dp = S^T b`.
 pub(crate) struct ReducedBasis<'a, M, const D: usize> {
-    pub(crate) dofs: &'a Dofs<D>,
-    pub(crate) modes: M,
+    dofs: &'a Dofs<D>,
+    modes: M,
     /// Added to the diagonal of the Hessian, relative to it: bounds parameters that are hardly determined.
-    pub(crate) ridge: f64,
+    ridge: f64,
+    stretch: f64,
+    /// Inverse deformation gradient of each node, which carries the modes to the reference configuration.
+    inverses: Vec<SMatrix<f64, D, D>>,
 }
 
-impl<M: Modes<D>, const D: usize> ReducedBasis<'_, M, D> {
+impl<'a, M: Modes<D>, const D: usize> ReducedBasis<'a, M, D> {
+    /// The basis of some modes at no displacement.
+    pub(crate) fn new(dofs: &'a Dofs<D>, modes: M, ridge: f64) -> Self {
+        let inverses = vec![SMatrix::identity(); dofs.mesh.num_nodes()];
+        Self { dofs, modes, ridge, stretch: 0.0, inverses }
+    }
+
+    /// Mode of one parameter at a node, in the reference configuration.
+    fn material_mode(&self, node: usize, parameter: usize) -> SVector<f64, D> {
+        self.inverses[node] * SVector::from_fn(|c, _| self.modes.value(node, c, parameter))
+    }
+
     fn num_nodes(&self) -> usize {
         self.dofs.mesh.num_nodes()
     }
@@ -32,6 +47,12 @@ impl<M: Modes<D>, const D: usize> ReducedBasis<'_, M, D> {
 impl<M: Modes<D>, const D: usize> Basis<D> for ReducedBasis<'_, M, D> {
     fn linearize(&mut self, displacement: &[[f64; D]]) {
         self.modes.linearize(displacement);
+        let deformation = NodalDeformation::of(&self.dofs.mesh, displacement);
+        self.stretch = deformation.stretch;
+        for (inverse, gradient) in self.inverses.iter_mut().zip(deformation.gradients()) {
+            let gradient = SMatrix::<f64, D, D>::from_fn(|i, j| gradient[i][j]);
+            *inverse = gradient.try_inverse().unwrap_or_else(SMatrix::identity);
+        }
     }
 
     fn equations(&self, with_hessian: bool) -> NormalEquations {
@@ -44,9 +65,12 @@ impl<M: Modes<D>, const D: usize> Basis<D> for ReducedBasis<'_, M, D> {
 
     fn reduce(&self, nodes: &[u32], share: CellEquations<D>) -> CellShare<D> {
         let dofs = nodes.len() * D;
-        let modes = DMatrix::from_fn(dofs, self.modes.len(), |row, parameter| {
-            self.modes.value(nodes[row / D] as usize, row % D, parameter)
-        });
+        let mut modes = DMatrix::zeros(dofs, self.modes.len());
+        for (k, &node) in nodes.iter().enumerate() {
+            for parameter in 0..self.modes.len() {
+                modes.view_mut((k * D, parameter), (D, 1)).copy_from(&self.material_mode(node as usize, parameter));
+            }
+        }
         let sums = DVector::from_row_slice(&share.sums.as_flattened()[..dofs]);
         let matrix = share.matrix.map(|matrix| DMatrix::from_row_slice(dofs, dofs, &matrix.entries()));
         CellShare::Reduced {
@@ -60,6 +84,20 @@ impl<M: Modes<D>, const D: usize> Basis<D> for ReducedBasis<'_, M, D> {
         equations.right_hand_side.iter_mut().zip(right_hand_side.iter()).for_each(|(b, sum)| *b += sum);
         if let (Some(Hessian::Dense(hessian)), Some(matrix)) = (&mut equations.hessian, matrix) {
             *hessian += matrix;
+        }
+    }
+
+    fn stretch(&self) -> f64 {
+        self.stretch
+    }
+
+    fn add_material_vector(&self, factor: f64, nodal: &[f64], equations: &mut NormalEquations) {
+        let nodal = nodal.as_chunks::<D>().0;
+        for (parameter, b) in equations.right_hand_side.iter_mut().enumerate() {
+            let product = |(node, value): (usize, &[f64; D])| {
+                self.material_mode(node, parameter).dot(&SVector::from_column_slice(value))
+            };
+            *b += factor * nodal.iter().enumerate().map(product).sum::<f64>();
         }
     }
 

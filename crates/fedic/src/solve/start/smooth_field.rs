@@ -40,13 +40,14 @@ pub(crate) fn smooth_start<const D: usize>(
         return Ok(displacement);
     }
     let nodes = project_nodes::<D>(&dofs.mesh, level.observation.camera.as_ref(), None);
-    let basis = ReducedBasis { dofs, modes: PolynomialModes::new(&nodes), ridge: RIDGE };
+    let mut basis = ReducedBasis::new(dofs, PolynomialModes::new(&nodes), RIDGE);
     let mut term = level.image_term(dofs, deformed, brightness).restricted_to(&level.subset);
     term.estimate_gain_offset(&displacement, &level.subset, monitor)?;
     let mut best = displacement.clone();
     let mut least = f64::INFINITY;
     let mut current = displacement;
     for iteration in 0..MAX_ITERATIONS {
+        basis.linearize(&current);
         let mut equations = basis.equations(true);
         let residual = residual_rms(&[term.assemble(&current, &basis, &mut equations, monitor)?]);
         // A residual of NaN, where the subset has left the image, is no progress either.

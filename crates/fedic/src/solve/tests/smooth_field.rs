@@ -36,7 +36,7 @@ fn smooth(size: f64, deformed: &Image, start: [f64; 2]) -> (Vec<[f64; 2]>, Vec<[
     let residuals = [&start, &found].map(|field| {
         let mut term = level.image_term(&dofs, &deformed, Brightness::Global).restricted_to(&level.subset);
         term.estimate_gain_offset(field, &level.subset, &()).unwrap();
-        let basis = NodalBasis { dofs: &dofs, factor: &level.factor, quadrature: &level.observation.quadrature };
+        let basis = NodalBasis::new(&dofs, &level.factor, &level.observation.quadrature);
         let report = term.evaluate(field, &basis, &()).unwrap();
         report.cost / report.weight
     });

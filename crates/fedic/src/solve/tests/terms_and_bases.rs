@@ -104,7 +104,7 @@ fn two_cameras_recover_a_rigid_motion_of_a_tilted_plane_in_space() {
         })
         .collect();
     for hessian in [Hessian::Initial, Hessian::Updated] {
-        let mut basis = NodalBasis { dofs: &dofs, factor: &factor, quadrature };
+        let mut basis = NodalBasis::new(&dofs, &factor, quadrature);
         let start = vec![[0.0; SPACE]; dofs.mesh.num_nodes()];
         let outcome =
             iterations(hessian, &deformed[0]).run(&mut terms, &mut basis, start, &mut Vec::new(), &()).unwrap();
@@ -144,7 +144,7 @@ fn a_rigid_basis_recovers_a_rotation_of_three_degrees() {
     let level = level(&dofs, Arc::new(ImageFrame), &reference, SMOOTHING, false);
     let interpolator = prepare(&deformed);
     let mut term = level.image_term(&dofs, &interpolator, Brightness::Global);
-    let mut basis = ReducedBasis { dofs: &dofs, modes: RigidModes::new(&dofs.mesh), ridge: 0.0 };
+    let mut basis = ReducedBasis::new(&dofs, RigidModes::new(&dofs.mesh), 0.0);
     let start = vec![[0.0; PLANE]; dofs.mesh.num_nodes()];
     let mut history = Vec::new();
     let outcome =
@@ -208,7 +208,7 @@ fn a_second_quadratic_term_balances_the_image_term() {
     let solve = |stiffness: f64| {
         let mut image = level.image_term(&dofs, &interpolator, Brightness::None);
         let mut springs = Springs { dofs: &dofs, stiffness, target };
-        let mut basis = NodalBasis { dofs: &dofs, factor: &level.factor, quadrature: &level.observation.quadrature };
+        let mut basis = NodalBasis::new(&dofs, &level.factor, &level.observation.quadrature);
         let start = vec![[0.0; PLANE]; dofs.mesh.num_nodes()];
         let mut terms: [&mut dyn Term<PLANE>; 2] = [&mut image, &mut springs];
         let outcome =

@@ -1,0 +1,202 @@
+//! Deformation gradient of a displacement field at the nodes.
+//!
+//! The sensitivity of the residual is `J_P(X + U)^T F^-T grad f(P(X))`. Instead of carrying `F^-T` to every quadrature point, the
+//! equations are written for an increment `dV` in the reference configuration, with the sensitivity `J_P(X)^T grad f(P(X))`. Their
+//! Hessian does not depend on the displacement. The increment of the displacement is `dU = F dV`.
+
+use fedic_mesh::{CellType, MAX_NODES, Mesh, shape_gradients};
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use rayon::prelude::*;
+
+use crate::components::PLANE;
+
+/// Deformation gradients whose determinant is below this, or above its inverse, are ignored: the field is folded or not yet found.
+const MIN_DETERMINANT: f64 = 0.1;
+
+/// A matrix of `D` rows and columns.
+pub(crate) type Tensor<const D: usize> = [[f64; D]; D];
+
+/// The mean deformation gradient of the cells of each node, in the components of the displacement.
+#[derive(Debug, Clone)]
+pub(crate) struct NodalDeformation<const D: usize> {
+    gradients: Vec<Tensor<D>>,
+    /// Largest relative elongation or shortening of a cell.
+    pub(crate) stretch: f64,
+}
+
+impl<const D: usize> NodalDeformation<D> {
+    /// No deformation.
+    pub(crate) fn none(num_nodes: usize) -> Self {
+        Self { gradients: vec![identity(); num_nodes], stretch: 0.0 }
+    }
+
+    /// Deformation gradients of a displacement field, from the centres of the cells. In three components the normal of the surface
+    /// is carried along.
+    pub(crate) fn of(mesh: &Mesh, displacement: &[[f64; D]]) -> Self {
+        let slopes = CellType::ALL.map(|cell| shape_gradients(cell, cell.reference_centre()));
+        let of_cell = |cell: usize| {
+            let cell = mesh.cell(cell);
+            cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement)
+        };
+        let cells: Vec<Option<(Tensor<D>, f64)>> = (0..mesh.num_cells()).into_par_iter().map(of_cell).collect();
+        let mut gradients = vec![[[0.0; D]; D]; mesh.num_nodes()];
+        let mut counts = vec![0.0; mesh.num_nodes()];
+        let mut stretch = 0.0_f64;
+        for (cell, found) in mesh.cells().zip(&cells) {
+            let Some((gradient, of_cell)) = found else { continue };
+            stretch = stretch.max(*of_cell);
+            for &node in cell.nodes {
+                let sums = gradients[node as usize].as_flattened_mut();
+                sums.iter_mut().zip(gradient.as_flattened()).for_each(|(sum, entry)| *sum += entry);
+                counts[node as usize] += 1.0;
+            }
+        }
+        for (gradient, count) in gradients.iter_mut().zip(counts) {
+            if count > 0.0 {
+                gradient.as_flattened_mut().iter_mut().for_each(|entry| *entry /= count);
+            } else {
+                *gradient = identity();
+            }
+        }
+        Self { gradients, stretch }
+    }
+
+    /// Deformation gradient of each node.
+    pub(crate) fn gradients(&self) -> &[Tensor<D>] {
+        &self.gradients
+    }
+
+    /// Multiplies the vector of each node by its deformation gradient.
+    pub(crate) fn push_forward(&self, vectors: &mut [f64]) {
+        for (vector, gradient) in vectors.as_chunks_mut::<D>().0.iter_mut().zip(&self.gradients) {
+            *vector = std::array::from_fn(|i| (0..D).map(|j| gradient[i][j] * vector[j]).sum());
+        }
+    }
+
+    /// Vector of each node multiplied by the transpose of its deformation gradient.
+    pub(crate) fn pulled_back(&self, vectors: &[f64]) -> Vec<f64> {
+        let each = vectors.as_chunks::<D>().0.iter().zip(&self.gradients);
+        let pulled: Vec<[f64; D]> = each
+            .map(|(vector, gradient)| std::array::from_fn(|j| (0..D).map(|i| gradient[i][j] * vector[i]).sum()))
+            .collect();
+        pulled.into_flattened()
+    }
+}
+
+fn identity<const D: usize>() -> Tensor<D> {
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+}
+
+/// Deformation gradient at the centre of a cell, and its largest relative change of length; `None` where it is unusable.
+fn cell_deformation<const D: usize>(
+    mesh: &Mesh,
+    nodes: &[u32],
+    slopes: &[[f64; 2]; MAX_NODES],
+    displacement: &[[f64; D]],
+) -> Option<(Tensor<D>, f64)> {
+    let [mut from, mut to] = [[[0.0; 3]; 2]; 2];
+    for (&node, slopes) in nodes.iter().zip(slopes) {
+        let (x, u) = (&mesh.points()[node as usize], &displacement[node as usize]);
+        for (direction, slope) in slopes.iter().enumerate() {
+            for c in 0..D {
+                from[direction][c] += slope * x[c];
+                to[direction][c] += slope * (x[c] + u[c]);
+            }
+        }
+    }
+    let gradient = if D == PLANE { plane_gradient(from, to)? } else { space_gradient(from, to)? };
+    let determinant = gradient.determinant();
+    // Also false for a NaN.
+    if !(determinant > MIN_DETERMINANT && determinant < 1.0 / MIN_DETERMINANT) {
+        return None;
+    }
+    let stretches = (gradient.transpose() * gradient).symmetric_eigenvalues();
+    let stretch = stretches.iter().map(|square| (square.max(0.0).sqrt() - 1.0).abs()).fold(0.0, f64::max);
+    Some((std::array::from_fn(|i| std::array::from_fn(|j| gradient[(i, j)])), stretch))
+}
+
+/// The deformation gradient in the plane, and one normal to it.
+fn plane_gradient(from: [[f64; 3]; 2], to: [[f64; 3]; 2]) -> Option<Matrix3<f64>> {
+    let [from, to] = [from, to].map(|[a, b]| Matrix2::new(a[0], b[0], a[1], b[1]));
+    let gradient = to * from.try_inverse()?;
+    Some(gradient.to_homogeneous())
+}
+
+/// The deformation gradient of a surface, with unit normals carried to unit normals.
+fn space_gradient(from: [[f64; 3]; 2], to: [[f64; 3]; 2]) -> Option<Matrix3<f64>> {
+    let frame = |tangents: [[f64; 3]; 2]| {
+        let [a, b] = tangents.map(Vector3::from);
+        Matrix3::from_columns(&[a, b, a.cross(&b).normalize()])
+    };
+    Some(frame(to) * frame(from).try_inverse()?)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use fedic_mesh::rectangle_mesh;
+    use nalgebra::Rotation3;
+
+    use super::*;
+    use crate::components::SPACE;
+
+    fn largest_difference<const D: usize>(a: &[Tensor<D>], b: Tensor<D>) -> f64 {
+        let each = a.iter().flat_map(|a| a.as_flattened().iter().zip(b.as_flattened()));
+        each.map(|(a, b)| (a - b).abs()).fold(0.0, |m, d| if d > m || d.is_nan() { d } else { m })
+    }
+
+    #[test]
+    fn an_affine_field_has_its_gradient_at_every_node() {
+        let expected = [[0.3, -1.1], [0.9, 0.4]];
+        for cell in CellType::ALL {
+            let mesh = rectangle_mesh([-3.0, 2.0, 5.0, 7.0], 1.5, cell).unwrap();
+            let field: Vec<[f64; 2]> = mesh
+                .points()
+                .iter()
+                .map(|x| [0, 1].map(|i| expected[i][0] * x[0] + expected[i][1] * x[1] - x[i] + 4.0))
+                .collect();
+            let found = NodalDeformation::of(&mesh, &field);
+            assert!(largest_difference(found.gradients(), expected) < 1e-12, "{cell}");
+        }
+    }
+
+    #[test]
+    fn a_rotation_in_space_is_found_and_has_no_stretch() {
+        let rotation = Rotation3::from_euler_angles(0.7, -1.2, 2.0);
+        let mesh = rectangle_mesh([0.0, 0.0, 4.0, 3.0], 1.0, CellType::Quad).unwrap();
+        let field: Vec<[f64; SPACE]> = mesh
+            .points()
+            .iter()
+            .map(|&x| {
+                let moved = rotation * Vector3::from(x);
+                std::array::from_fn(|c| moved[c] - x[c])
+            })
+            .collect();
+        let found = NodalDeformation::of(&mesh, &field);
+        let expected = std::array::from_fn(|i| std::array::from_fn(|j| rotation.matrix()[(i, j)]));
+        assert!(largest_difference(found.gradients(), expected) < 1e-12);
+        assert!(found.stretch < 1e-12);
+    }
+
+    #[test]
+    fn a_folded_cell_has_no_deformation() {
+        let mesh = rectangle_mesh([0.0, 0.0, 1.0, 1.0], 1.0, CellType::Quad).unwrap();
+        let folded: Vec<[f64; 2]> = mesh.points().iter().map(|x| [-2.0 * x[0], 0.0]).collect();
+        let found = NodalDeformation::of(&mesh, &folded);
+        assert!(largest_difference(found.gradients(), identity()) < 1e-15);
+    }
+
+    #[test]
+    fn pulling_back_is_the_transpose_of_pushing_forward() {
+        let mesh = rectangle_mesh([0.0, 0.0, 3.0, 2.0], 1.0, CellType::Quad).unwrap();
+        let field: Vec<[f64; 2]> = mesh.points().iter().map(|x| [0.2 * x[1] * x[0], -0.1 * x[0]]).collect();
+        let deformation = NodalDeformation::of(&mesh, &field);
+        let vector = |phase: f64| (0..2 * mesh.num_nodes()).map(|k| (phase * k as f64).sin()).collect::<Vec<_>>();
+        let (a, mut b) = (vector(1.3), vector(0.7));
+        let pulled: f64 = deformation.pulled_back(&a).iter().zip(&b).map(|(a, b)| a * b).sum();
+        deformation.push_forward(&mut b);
+        let pushed: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+        assert!((pulled - pushed).abs() < 1e-12);
+    }
+}
