@@ -12,6 +12,7 @@ use crate::equations::dofs::Dofs;
 use crate::equations::terms::tikhonov::Laplacian;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::image_source::view_of;
+use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::ObservationSettings;
 use crate::parallel::thread_pool;
 use crate::projection::projected_points::pixel_displacement;
@@ -123,6 +124,8 @@ impl Correlator {
                 // A penalty makes the system ill-conditioned whatever its pivots are.
                 compact: smoothing.is_none() && dofs.pattern.num_dofs() >= COMPACT_DOFS,
                 smoothing,
+                filter: (options.smoothing > 0.0)
+                    .then(|| MaterialFilter::new(options.smoothing, Arc::clone(&reference))),
             };
             let level = Level::new(&dofs, Arc::clone(&camera), sampler, settings, monitor)?;
             Ok::<_, Error>((dofs, laplacian, level, size))

@@ -8,6 +8,7 @@ use crate::error::ImageError;
 use crate::filter::gaussian::gaussian_weights;
 use crate::filter::line::LineFilter;
 use crate::interpolation::coefficients::Coefficients;
+use crate::interpolation::derivatives::evaluate_derivatives;
 use crate::interpolation::evaluate::{Points, evaluate};
 use crate::interpolation::kernel::AnyKernel;
 use crate::interpolation::method::Interpolation;
@@ -153,6 +154,45 @@ impl Interpolator {
         dv: &mut [f32],
     ) {
         self.evaluate(Points::Near(origin, u, v), [value, du, dv]);
+    }
+
+    /// Second derivatives of the interpolant at each point `(u[i], v[i])`: twice along the columns, along both, and twice along the
+    /// rows. NaN where the image does not [contain](Self::contains) the point.
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    pub fn second_derivatives(&self, u: &[f64], v: &[f64], out: [&mut [f32]; 3]) {
+        self.evaluate_derivatives([u, v], [[2, 0], [1, 1], [0, 2]], out);
+    }
+
+    /// Fourth derivatives of the interpolant at each point `(u[i], v[i])`: four, three, two, one and no times along the columns, the
+    /// other times along the rows. NaN where the image does not [contain](Self::contains) the point.
+    ///
+    /// # Panics
+    ///
+    /// If the slices differ in length.
+    pub fn fourth_derivatives(&self, u: &[f64], v: &[f64], out: [&mut [f32]; 5]) {
+        self.evaluate_derivatives([u, v], [[4, 0], [3, 1], [2, 2], [1, 3], [0, 4]], out);
+    }
+
+    fn evaluate_derivatives<const OUTPUTS: usize>(
+        &self,
+        points: [&[f64]; 2],
+        orders: [[usize; 2]; OUTPUTS],
+        out: [&mut [f32]; OUTPUTS],
+    ) {
+        let [u, v] = points;
+        assert!(
+            u.len() == v.len() && out.iter().all(|out| out.len() == u.len()),
+            "u, v and each output must have one element per point"
+        );
+        let (coefficients, size) = (&self.coefficients, [self.width, self.height]);
+        match &self.interpolation.method().kernel {
+            AnyKernel::Two(kernel) => evaluate_derivatives(coefficients, size, kernel, points, orders, out),
+            AnyKernel::Four(kernel) => evaluate_derivatives(coefficients, size, kernel, points, orders, out),
+            AnyKernel::Six(kernel) => evaluate_derivatives(coefficients, size, kernel, points, orders, out),
+        }
     }
 
     /// Prefetches the coefficients that points between the pixel coordinates `low` and `high` need. A hint only: results do

@@ -1,6 +1,7 @@
 //! Interpolation between pixels: kernels and their coefficients, and the evaluation at many points.
 
 mod coefficients;
+mod derivatives;
 mod evaluate;
 pub(crate) mod interpolator;
 mod kernel;

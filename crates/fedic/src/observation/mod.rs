@@ -7,6 +7,7 @@
 pub(crate) mod cell_context;
 pub(crate) mod deformed_pass;
 pub(crate) mod image_source;
+pub(crate) mod material_filter;
 pub(crate) mod observe;
 pub(crate) mod photometry;
 pub(crate) mod quantized_gradient;

@@ -7,6 +7,7 @@ use fedic_mesh::Mesh;
 
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::gradient::LinearJacobian;
+use crate::observation::cell_context::exact_sensitivity;
 use crate::observation::photometry::{FLAT, Moments};
 use crate::observation::reference_pass::{ReferencePass, ReferenceSums, typical_grey_level};
 use crate::observation::reference_samples::ReferenceSamples;
@@ -113,6 +114,17 @@ impl<const D: usize> Observation<D> {
             return Err(Error::Flat { which: "reference", std });
         }
         Ok(Self { camera, size, quadrature, samples, jacobians, grey_origin, moments, photometric })
+    }
+
+    /// Writes the sensitivities of a cell whose Jacobian is not nearly linear, from the exact one at each point.
+    pub(crate) fn exact_sensitivities(&self, mesh: &Mesh, workspace: &mut Workspace<D>, cell: usize) {
+        let Workspace { projector, points: buffers, .. } = workspace;
+        let samples = self.samples.cell(cell);
+        let (of_cell, nodes) = ((cell, mesh.cell(cell).cell_type), mesh.cell_points(cell));
+        let camera = self.camera.as_ref();
+        projector.pointwise.for_each_batch(&self.quadrature, of_cell, &nodes, camera, |batch, points| {
+            exact_sensitivity(batch, points, |k| samples.gradient_at(k), &mut buffers.q);
+        });
     }
 
     /// Number of quadrature points.

@@ -10,6 +10,7 @@ use crate::equations::dofs::Dofs;
 use crate::equations::terms::image::ImageTerm;
 use crate::equations::terms::tikhonov::{Laplacian, Tikhonov};
 use crate::interpolation::image_sampler::ImageSampler;
+use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::{Observation, ObservationSettings};
 use crate::projection::projected_points::project_nodes;
 use crate::results::solution::Iteration;
@@ -28,15 +29,19 @@ pub(crate) struct Level<const D: usize> {
     pub(crate) subset: Vec<usize>,
     /// Factor of the Hessian at the reference position, the penalty included.
     pub(crate) factor: Factor,
+    /// Corrects the smoothing of the reference image for the deformation, if the images are smoothed.
+    filter: Option<MaterialFilter<D>>,
     /// Penalty on the gradient of the displacement and its factor, if the displacement is smoothed.
     penalty: Option<(Arc<Laplacian>, f64)>,
 }
 
 /// How a level is made.
-pub(crate) struct LevelSettings {
+pub(crate) struct LevelSettings<const D: usize> {
     pub(crate) observation: ObservationSettings,
     /// Matrix of the penalty, and wavelength in pixels of this level below which the displacement is smoothed.
     pub(crate) smoothing: Option<(Arc<Laplacian>, f64)>,
+    /// The reference image and its smoothing, in pixels of this level, to smooth both images by the same filter on the material.
+    pub(crate) filter: Option<MaterialFilter<D>>,
     /// Whether the factor may be kept in single precision.
     pub(crate) compact: bool,
 }
@@ -52,7 +57,7 @@ impl<const D: usize> Level<D> {
         dofs: &Dofs<D>,
         camera: Arc<dyn Camera>,
         reference: ImageSampler,
-        settings: LevelSettings,
+        settings: LevelSettings<D>,
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         let mesh = &dofs.mesh;
@@ -74,7 +79,7 @@ impl<const D: usize> Level<D> {
             (laplacian, factor)
         });
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;
-        Ok(Self { observation, subset, factor, penalty })
+        Ok(Self { observation, subset, factor, filter: settings.filter, penalty })
     }
 
     /// The image term of a deformed image.
@@ -101,7 +106,7 @@ impl<const D: usize> Level<D> {
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
     ) -> Result<Outcome<D>, Error> {
-        let mut image = self.image_term(dofs, deformed, brightness);
+        let mut image = self.image_term(dofs, deformed, brightness).with_filter(self.filter.as_ref());
         image.estimate_gain_offset(&start, &self.subset, monitor)?;
         let mut basis = NodalBasis::new(dofs, &self.factor, &self.observation.quadrature);
         let mut penalty =

@@ -10,8 +10,9 @@ use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::kernels::cell_matrix::CellMatrix;
 use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, weighted_residuals};
-use crate::observation::cell_context::{CellContext, exact_sensitivity, linear_sensitivity};
+use crate::observation::cell_context::{CellContext, linear_sensitivity};
 use crate::observation::deformed_pass::{DeformedCell, read_deformed};
+use crate::observation::material_filter::{MaterialFilter, corrected_moments};
 use crate::observation::observe::Observation;
 use crate::observation::photometry::{FLAT, GainOffset, Moments};
 use crate::observation::workspace::Workspace;
@@ -30,6 +31,8 @@ pub(crate) struct ImageTerm<'a, const D: usize> {
     pub(crate) observation: &'a Observation<D>,
     pub(crate) deformed: &'a Interpolator,
     pub(crate) brightness: Brightness,
+    /// Corrects the smoothing of the reference image for the deformation; `None` if the images are not smoothed.
+    filter: Option<&'a MaterialFilter<D>>,
     /// Cells that the term is restricted to; `None` for all.
     subset: Option<&'a [usize]>,
     /// Gain and offset over the mesh, as found last. Grey levels are counted from the origin of the observation.
@@ -48,6 +51,13 @@ struct AcceptedPolynomials {
     valid: Option<Vec<bool>>,
     /// Pixels moved since the polynomials were compared with the camera.
     motion: f64,
+}
+
+/// Settings of one pass over the cells.
+#[derive(Clone, Copy)]
+struct Pass<'a, const D: usize> {
+    with_hessian: bool,
+    filter: Option<&'a MaterialFilter<D>>,
 }
 
 /// Result of one cell.
@@ -73,11 +83,18 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             observation,
             deformed,
             brightness,
+            filter: None,
             subset: None,
             gain_offset: GainOffset::IDENTITY,
             nodes: Vec::new(),
             polynomials: AcceptedPolynomials::default(),
         }
+    }
+
+    /// Smooths both images by the same filter on the material.
+    pub(crate) fn with_filter(mut self, filter: Option<&'a MaterialFilter<D>>) -> Self {
+        self.filter = filter;
+        self
     }
 
     /// Restricts the term to some cells.
@@ -175,7 +192,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         index: usize,
         cell: usize,
         nodes: &[ProjectedPoint],
-        with_hessian: bool,
+        Pass { with_hessian, filter }: Pass<'_, D>,
     ) -> CellResult<CellEquations<D>> {
         let (mesh, observation) = (self.mesh, self.observation);
         let camera = observation.camera.as_ref();
@@ -188,8 +205,11 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         };
         let next = CellPrefetch::new(self.deformed, mesh, next, nodes);
         let context = self.context(cell, projection);
-        let DeformedCell { moments, outside } =
+        let DeformedCell { mut moments, outside } =
             read_deformed(observation, self.deformed, workspace, &context, next.as_ref());
+        let part = if outside { moments.weight / observation.moments[cell].weight } else { 1.0 };
+        let correction = filter.and_then(|filter| filter.cell(mesh, cell, nodes));
+        correction.iter().for_each(|correction| moments = corrected_moments(moments, correction, part));
         next.iter().for_each(CellPrefetch::prefetch_lower_half);
         let gain_offset = match self.brightness {
             Brightness::Element => moments.gain_offset(),
@@ -203,7 +223,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         let mut matrix = with_hessian.then(|| CellMatrix::zeros(context.cell_type.num_nodes()));
         let jacobian = observation.jacobians[cell].as_ref();
         if jacobian.is_none() {
-            self.exact_sensitivities(workspace, cell);
+            observation.exact_sensitivities(mesh, workspace, cell);
         }
         let Workspace { projector, points: buffers, weighted, .. } = workspace;
         let weights = if outside { Some(&*buffers.weights) } else { samples.weights };
@@ -230,27 +250,20 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         });
         sums.as_flattened_mut().iter_mut().for_each(|sum| *sum *= samples.scale);
         matrix.iter_mut().for_each(|matrix| matrix.scale(samples.scale));
+        squares *= samples.scale;
+        if let Some(correction) = correction {
+            for (sum, correction) in sums.as_flattened_mut().iter_mut().zip(correction.sums.as_flattened()) {
+                *sum += part * correction;
+            }
+            squares = (squares - part * correction.squares).max(0.0);
+        }
         CellResult {
             share: CellEquations { sums, matrix },
-            squares: squares * samples.scale,
+            squares,
             moments,
             accepted: context.projection.polynomial.is_some(),
             outside,
         }
-    }
-}
-
-impl<const D: usize> ImageTerm<'_, D> {
-    /// Writes the sensitivities of a cell whose Jacobian is not nearly linear, from the exact one at each point.
-    fn exact_sensitivities(&self, workspace: &mut Workspace<D>, cell: usize) {
-        let Workspace { projector, points: buffers, .. } = workspace;
-        let observation = self.observation;
-        let samples = observation.samples.cell(cell);
-        let (of_cell, nodes) = ((cell, self.mesh.cell(cell).cell_type), self.mesh.cell_points(cell));
-        let (quadrature, camera) = (&observation.quadrature, observation.camera.as_ref());
-        projector.pointwise.for_each_batch(quadrature, of_cell, &nodes, camera, |batch, points| {
-            exact_sensitivity(batch, points, |k| samples.gradient_at(k), &mut buffers.q);
-        });
     }
 }
 
@@ -263,7 +276,11 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
         monitor: &dyn Monitor,
     ) -> Result<TermReport, Error> {
         let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
-        let with_hessian = equations.hessian.is_some();
+        let filter = match self.filter {
+            Some(filter) if filter.prepare(self.mesh, self.observation, basis.stretch(), monitor)? => Some(filter),
+            _ => None,
+        };
+        let pass = Pass { with_hessian: equations.hessian.is_some(), filter };
         let num_cells = self.subset.map_or(self.mesh.num_cells(), <[usize]>::len);
         let mut report = TermReport { cell_residuals: Vec::with_capacity(num_cells), ..TermReport::default() };
         let mut accepted = Vec::with_capacity(num_cells);
@@ -274,7 +291,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
             monitor,
             |workspace: &mut Workspace<D>, index, _| {
                 let cell = cell_at(index);
-                let result = self.evaluate_cell(workspace, index, cell, &nodes, with_hessian);
+                let result = self.evaluate_cell(workspace, index, cell, &nodes, pass);
                 let share: CellShare<D> = basis.reduce(self.mesh.cell(cell).nodes, result.share);
                 CellResult {
                     share,

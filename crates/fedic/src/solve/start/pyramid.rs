@@ -63,6 +63,7 @@ impl<const D: usize> Pyramid<D> {
                     require_full_coverage: false,
                 },
                 smoothing: Some((Arc::clone(laplacian), WAVELENGTH)),
+                filter: None,
                 compact: false,
             };
             let scaled: Arc<dyn Camera> = Arc::new(Scaled::new(Arc::clone(camera), 0.5_f64.powi(depth as i32)));

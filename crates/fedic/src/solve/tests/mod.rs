@@ -40,6 +40,7 @@ fn level(
     smoothing: f64,
     compact: bool,
 ) -> Level<PLANE> {
-    let settings = LevelSettings { observation: observation_settings(reference), smoothing: None, compact };
+    let settings =
+        LevelSettings { observation: observation_settings(reference), smoothing: None, filter: None, compact };
     Level::new(dofs, camera, sampler(reference.view(), smoothing), settings, &()).unwrap()
 }
