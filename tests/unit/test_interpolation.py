@@ -100,13 +100,26 @@ def test_finite_difference_gradient_is_interpolated_central_differences(
         )
 
 
-@pytest.mark.parametrize("sigma", [0.5, 0.8, 2.0])
-def test_smoothing_agrees_with_the_gaussian_filter_of_scipy(
-    image: np.ndarray, pixels: np.ndarray, sigma: float
+@pytest.mark.parametrize(("sigma", "tolerance"), [(0.5, 1.5), (0.8, 0.2), (2.0, 0.02)])
+def test_smoothing_is_close_to_the_sampled_gaussian_of_scipy(
+    image: np.ndarray, pixels: np.ndarray, sigma: float, tolerance: float
 ) -> None:
     values, _ = interpolate_image(image, pixels, "bspline3", smoothing=sigma)
     smooth = ndimage.gaussian_filter(image.astype(float), sigma, mode="mirror", truncate=4)
-    np.testing.assert_allclose(values, scipy_values(smooth, pixels, 3), rtol=0, atol=1e-3)
+    np.testing.assert_allclose(values, scipy_values(smooth, pixels, 3), rtol=0, atol=tolerance)
+
+
+@pytest.mark.parametrize("wavelength", [4.5, 6.0, 9.0])
+def test_smoothing_attenuates_waves_in_any_direction_as_a_gaussian(wavelength: float) -> None:
+    v, u = np.mgrid[:60, :80].astype(float)
+    points = np.random.default_rng(2).uniform((20, 20), (60, 40), (50, 2))
+    for angle in (0.0, 0.4, np.pi / 4):
+        kx, ky = 2 * np.pi / wavelength * np.array([np.cos(angle), np.sin(angle)])
+        wave = (100.0 * np.cos(kx * u + ky * v)).astype(np.float32)
+        values, _ = interpolate_image(wave, points, "bspline5", smoothing=0.8)
+        expected = 100.0 * np.exp(-0.5 * (0.8 * 2 * np.pi / wavelength) ** 2) * np.cos(points @ [kx, ky])
+        # The rest is the error of the interpolation.
+        np.testing.assert_allclose(values, expected, rtol=0, atol=0.03)
 
 
 @pytest.mark.parametrize("interpolation", INTERPOLATIONS)

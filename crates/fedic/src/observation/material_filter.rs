@@ -26,6 +26,9 @@ use crate::{Error, Monitor};
 const MIN_STRETCH: f64 = 2.5e-3;
 /// Largest norm of `A`, in units of `s^2`, for which the series is used.
 const MAX_CHANGE: f64 = 1.5;
+/// Square of the wavenumber, in radians per pixel, at which the second term of the series stands for the third as well: that of a
+/// wave of 5.5 px, among the shortest that speckle holds.
+const SQUARED_WAVENUMBER: f64 = 1.3;
 const SECOND: usize = 3;
 const FOURTH: usize = 5;
 /// Derivatives of the reference image: the second ones, then the fourth ones.
@@ -54,8 +57,8 @@ struct CellSums<const D: usize> {
     levels: [f64; DERIVATIVES],
     /// Sums of `w` times the grey level, counted from the origin, and a derivative.
     with_level: [f64; DERIVATIVES],
-    /// Sums of `w` times two second derivatives.
-    products: [[f64; SECOND]; SECOND],
+    /// Sums of `w` times a second derivative and any derivative.
+    products: [[f64; DERIVATIVES]; SECOND],
 }
 
 /// The correction of the sums of one cell.
@@ -117,7 +120,9 @@ impl<const D: usize> MaterialFilter<D> {
         let sums = &prepared.cells[cell];
         let [a, b, c] = constant;
         let second = |[a, b, c]: [f64; 3]| [0.5 * a, b, 0.5 * c];
-        let fourth = [a * a, 4.0 * a * b, 2.0 * a * c + 4.0 * b * b, 4.0 * b * c, c * c].map(|x| x / 8.0);
+        let norm = (a * a + 2.0 * b * b + c * c).sqrt().copysign(a + c);
+        let third = (1.0 - SQUARED_WAVENUMBER * norm / 6.0).max(0.0);
+        let fourth = [a * a, 4.0 * a * b, 2.0 * a * c + 4.0 * b * b, 4.0 * b * c, c * c].map(|x| third * x / 8.0);
         let by_monomial = [constant, along_xi, along_eta].map(second);
         let factors = by_monomial.as_flattened().iter().chain(&fourth);
         let mut correction = CellCorrection { sums: [[0.0; D]; MAX_NODES], squares: 0.0, moments: [0.0; 2] };
@@ -129,9 +134,12 @@ impl<const D: usize> MaterialFilter<D> {
         let second = by_monomial[0];
         let all: [f64; DERIVATIVES] = std::array::from_fn(|k| if k < SECOND { second[k] } else { fourth[k - SECOND] });
         let product = |sums: &[f64; DERIVATIVES]| all.iter().zip(sums).map(|(e, sum)| e * sum).sum::<f64>();
-        for (k, row) in sums.products.iter().enumerate() {
-            correction.squares += row.iter().zip(second).map(|(sum, e)| second[k] * sum * e).sum::<f64>();
+        // The square of the change of the grey level, but for that of its second term.
+        let twice: [f64; DERIVATIVES] = std::array::from_fn(|k| if k < SECOND { all[k] } else { 2.0 * all[k] });
+        for (row, e) in sums.products.iter().zip(second) {
+            correction.squares += e * row.iter().zip(twice).map(|(sum, e)| sum * e).sum::<f64>();
         }
+        correction.squares = correction.squares.max(0.0);
         correction.moments = [product(&sums.levels), 2.0 * product(&sums.with_level) + correction.squares];
         Some(correction)
     }
@@ -210,15 +218,18 @@ impl<const D: usize> Pass<'_, D> {
             projection: workspace.projections.project(mesh, cell, self.nodes, camera, None),
         };
         workspace.points.resize(context.count());
-        let mut derivatives = self.derivatives(workspace, &context);
+        let derivatives = self.derivatives(workspace, &context);
         let jacobian = observation.jacobians[cell].as_ref();
         if jacobian.is_none() {
             observation.exact_sensitivities(mesh, workspace, cell);
         }
         let samples = observation.samples.cell(cell);
-        let basis = PolynomialBasis::of(context.cell_type);
+        let shape = PolynomialBasis::of(context.cell_type).shape_monomials();
         let mut vectors = [[[0.0; D]; MAX_NODES]; VECTORS];
-        let Workspace { projector, points: buffers, weighted: factors, .. } = workspace;
+        let (mut levels, mut with_level) = ([0.0; DERIVATIVES], [0.0; DERIVATIVES]);
+        let mut products = [[0.0; DERIVATIVES]; SECOND];
+        let Workspace { projector, points: buffers, weighted: by_monomial, .. } = workspace;
+        let mut factors = AlignedBuffer::zeros(by_monomial.len());
         context.for_each_chunk(&mut projector.shapes, |chunk, points| {
             if let Some(jacobian) = jacobian {
                 let gradient = samples.gradient.part(points.clone());
@@ -226,46 +237,33 @@ impl<const D: usize> Pass<'_, D> {
                 linear_sensitivity(chunk, jacobian, samples.step, gradient, q);
             }
             let q = buffers.q.each_ref().map(|q| &q[points.clone()]);
+            let weights = samples.weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
+            let rows = derivatives.each_ref().map(|row| &row[points.clone()]);
             let factors = &mut factors[..chunk.padded()];
-            for (k, row) in derivatives.iter_mut().enumerate() {
-                let row = &mut row[points.clone()];
-                if let Some(weights) = samples.weights {
-                    row.iter_mut().zip(&weights[points.clone()]).for_each(|(entry, weight)| *entry *= weight);
-                }
+            for (k, row) in rows.into_iter().enumerate() {
+                multiply(row, weights, factors);
+                levels[k] += dot(factors, chunk.ones());
+                with_level[k] += dot(factors, &samples.value[points.clone()]);
                 if k >= SECOND {
-                    add_node_sums(basis.shape_monomials(), chunk, q, row, &mut vectors[2 * SECOND + k]);
+                    add_node_sums(shape, chunk, q, factors, &mut vectors[2 * SECOND + k]);
                     continue;
                 }
-                add_node_sums(basis.shape_monomials(), chunk, q, row, &mut vectors[k]);
+                products[k].iter_mut().zip(rows).for_each(|(sum, row)| *sum += dot(factors, row));
+                add_node_sums(shape, chunk, q, factors, &mut vectors[k]);
                 for m in 1..=2 {
-                    let powers = row.iter().zip(chunk.monomial(m));
-                    factors.iter_mut().zip(powers).for_each(|(factor, (entry, power))| *factor = entry * power);
-                    add_node_sums(basis.shape_monomials(), chunk, q, factors, &mut vectors[m * SECOND + k]);
+                    let by_monomial = &mut by_monomial[..chunk.padded()];
+                    multiply(factors, chunk.monomial(m), by_monomial);
+                    add_node_sums(shape, chunk, q, by_monomial, &mut vectors[m * SECOND + k]);
                 }
             }
         });
-        let scale = samples.scale;
+        let (scale, origin) = (samples.scale, f64::from(observation.grey_origin));
         let count = mesh.cell(cell).nodes.len();
-        let total = |row: &[f32], other: &dyn Fn(usize) -> f64| {
-            scale * row[..context.count()].iter().enumerate().map(|(k, &x)| f64::from(x) * other(k)).sum::<f64>()
-        };
-        let origin = f64::from(observation.grey_origin);
         CellSums {
             vectors: vectors.map(|vector| vector[..count].iter().map(|sum| sum.map(|x| (scale * x) as f32)).collect()),
-            levels: std::array::from_fn(|k| total(&derivatives[k], &|_| 1.0)),
-            with_level: std::array::from_fn(|k| {
-                total(&derivatives[k], &|point| f64::from(samples.value[point]) - origin)
-            }),
-            // The first factor holds the weight.
-            products: std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    let weight = |point: usize| samples.weights.map_or(1.0, |weights| f64::from(weights[point]));
-                    let unweighted = |point: usize| {
-                        if weight(point) > 0.0 { f64::from(derivatives[j][point]) / weight(point) } else { 0.0 }
-                    };
-                    total(&derivatives[i], &unweighted)
-                })
-            }),
+            levels: levels.map(|sum| scale * sum),
+            with_level: std::array::from_fn(|k| scale * (with_level[k] - origin * levels[k])),
+            products: products.map(|row| row.map(|sum| scale * sum)),
         }
     }
 
@@ -300,6 +298,22 @@ impl<const D: usize> Pass<'_, D> {
         }
         rows
     }
+}
+
+/// Writes the products of two rows.
+fn multiply(a: &[f32], b: &[f32], out: &mut [f32]) {
+    out.iter_mut().zip(a.iter().zip(b)).for_each(|(out, (a, b))| *out = a * b);
+}
+
+/// Sum of the products of two rows.
+fn dot(a: &[f32], b: &[f32]) -> f64 {
+    let mut lanes = [0.0_f32; 8];
+    let [(a, rest_a), (b, rest_b)] = [a, b].map(|row| row.as_chunks::<8>());
+    for (a, b) in a.iter().zip(b) {
+        lanes.iter_mut().zip(a.iter().zip(b)).for_each(|(sum, (a, b))| *sum += a * b);
+    }
+    let rest = rest_a.iter().zip(rest_b).map(|(a, b)| f64::from(a * b)).sum::<f64>();
+    lanes.into_iter().map(f64::from).sum::<f64>() + rest
 }
 
 /// Adds the correction of a cell, of which this part of the weight is used, to the moments of the images over it.
