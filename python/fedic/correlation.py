@@ -141,6 +141,7 @@ class Correlator:
             displacement=solution.displacement,
             pixel_displacement=solution.pixel_displacement,
             converged=solution.converged,
+            error_left=solution.error_left,
             iterations=solution.iterations,
             history=[Iteration(*entry) for entry in solution.history],
             num_points=solution.num_points,

@@ -100,7 +100,18 @@ def test_reconstruction_preserves_polynomials_of_its_degree(space: Space, power:
 
     blank = np.zeros(0)
     result = fedic.Result(
-        mesh, fedic.ImageFrame(), true(mesh.points), true(mesh.points), True, 1, [], 0, 0.0, blank, blank.astype(int)
+        mesh,
+        fedic.ImageFrame(),
+        true(mesh.points),
+        true(mesh.points),
+        True,
+        0.0,
+        1,
+        [],
+        0,
+        0.0,
+        blank,
+        blank.astype(int),
     )
     field, reach = reconstruct(result, size, space)
     assert reach == 64.0

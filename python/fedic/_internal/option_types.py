@@ -26,22 +26,25 @@ class CorrelationOptions(TypedDict, total=False):
     """Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none. It removes spatial
     frequencies that no interpolation reproduces: with the default the bias of the interpolation is at most 1e-4 px.
     It raises the noise of the displacement by 0 to 7 % where speckles are about five pixels wide, and by 30 % where
-    they are one to three. Under a stretch of 1 % it costs an error of 6e-4 px. Default: 0.8.
+    they are one to three. Default: 0.8.
     """
     brightness: Brightness
     """Domain over which the mean and the contrast of the deformed image are matched to those of the reference image:
     ``"global"``, the whole mesh, ``"element"``, each cell, or ``None``, no correction. Default: "global".
     """
     hessian: Hessian
-    """Time at which the Hessian is computed: ``"initial"``, once, with the camera's Jacobian at the reference
-    position, or ``"updated"``, at every iteration, with the Jacobian at the current position. Default: "initial".
+    """Time at which the Hessian is computed: ``"initial"``, once, over all points of the reference image, or
+    ``"updated"``, at every iteration, over the points inside the deformed image. It does not depend on the
+    displacement otherwise. Default: "initial".
     """
     regularization_length: float | None
     """Wavelength, in pixels of the reference image, below which the displacement is smoothed (Tikhonov, on its
     gradient); no smoothing by default. Default: None.
     """
     tolerance: float
-    """The iterations stop when no node moves by more than this, in pixels. Default: 0.001."""
+    """The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from
+    the last correction and its ratio to the one before. Default: 0.001.
+    """
     max_iterations: int
     """Largest number of iterations on the images at full resolution. Default: 50."""
     num_threads: int | None

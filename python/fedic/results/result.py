@@ -62,7 +62,9 @@ class Result:
     pixel_displacement : ndarray of float, shape (n, 2)
         Nodal displacements in the image, ``(u, v)`` in pixels.
     converged : bool
-        True if the last correction was below the tolerance.
+        True if the error left by the iterations is below the tolerance.
+    error_left : float
+        Estimate of the largest error of a node that the iterations leave, in pixels.
     iterations : int
         Number of iterations on the images at full resolution; those on reduced images are in `history` alone.
     history : list of Iteration
@@ -82,6 +84,7 @@ class Result:
     displacement: Floats
     pixel_displacement: Floats
     converged: bool
+    error_left: float
     iterations: int
     history: list[Iteration]
     num_points: int
@@ -277,11 +280,12 @@ class Result:
         Returns
         -------
         dict
-            ``converged``, ``iterations``, ``residual_rms`` (None if not finite), ``num_nodes``, ``num_cells``,
-            ``num_points`` and ``outside_cells``.
+            ``converged``, ``error_left`` and ``residual_rms`` (None if not finite), ``iterations``, ``num_nodes``,
+            ``num_cells``, ``num_points`` and ``outside_cells``.
         """
         return {
             "converged": self.converged,
+            "error_left": _finite(self.error_left),
             "iterations": self.iterations,
             "residual_rms": _finite(self.residual_rms),
             "num_nodes": self.mesh.num_nodes,
@@ -302,6 +306,7 @@ class Result:
             "outside_cells": self.outside_cells,
             "history": np.array(self.history, dtype=np.float64).reshape(-1, 4),
             "converged": np.array(self.converged),
+            "error_left": np.array(self.error_left),
             "iterations": np.array(self.iterations),
             "num_points": np.array(self.num_points),
             "residual_rms": np.array(self.residual_rms),

@@ -190,8 +190,7 @@ fn relative_change(from: [[f64; 2]; 2], to: [[f64; 2]; 2]) -> [f64; 3] {
     let dot = |p: usize, q: usize| inverse[p][0] * inverse[q][0] + inverse[p][1] * inverse[q][1];
     let change = [dot(0, 0) - 1.0, dot(0, 1), dot(1, 1) - 1.0];
     let norm = (change[0].powi(2) + 2.0 * change[1].powi(2) + change[2].powi(2)).sqrt();
-    // Also false for a NaN.
-    if !(norm < f64::INFINITY) {
+    if !norm.is_finite() {
         return [0.0; 3];
     }
     let scale = (MAX_CHANGE / norm).min(1.0);

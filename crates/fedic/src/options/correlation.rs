@@ -93,10 +93,10 @@ choices! {
 choices! {
     /// Time at which the Hessian is computed.
     pub enum Hessian("hessian") {
-        /// Once, with the camera's Jacobian at the reference position.
+        /// Once, over all points of the reference image.
         #[default]
         Initial = "initial",
-        /// At every iteration, with the camera's Jacobian at the current position.
+        /// At every iteration, over the points inside the deformed image.
         Updated = "updated",
     }
 }
@@ -125,18 +125,19 @@ declare_options! {
         /// Standard deviation, in pixels, of a Gaussian smoothing of both images; 0 for none. It removes spatial frequencies
         /// that no interpolation reproduces: with the default the bias of the interpolation is at most 1e-4 px. It raises the
         /// noise of the displacement by 0 to 7 % where speckles are about five pixels wide, and by 30 % where they are one to
-        /// three. Under a stretch of 1 % it costs an error of 6e-4 px.
+        /// three.
         smoothing: f64 = 0.8, in SMOOTHING;
         /// Domain over which the mean and the contrast of the deformed image are matched to those of the reference image:
         /// `global`, the whole mesh, `element`, each cell, or `none`, no correction.
         brightness: Brightness = Brightness::default();
-        /// Time at which the Hessian is computed: `initial`, once, with the camera's Jacobian at the reference position, or
-        /// `updated`, at every iteration, with the Jacobian at the current position.
+        /// Time at which the Hessian is computed: `initial`, once, over all points of the reference image, or `updated`, at
+        /// every iteration, over the points inside the deformed image. It does not depend on the displacement otherwise.
         hessian: Hessian = Hessian::default();
         /// Wavelength, in pixels of the reference image, below which the displacement is smoothed (Tikhonov, on its gradient);
         /// no smoothing by default.
         regularization_length: Option<f64> = None, in REGULARIZATION_LENGTH;
-        /// The iterations stop when no node moves by more than this, in pixels.
+        /// The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from the
+        /// last correction and its ratio to the one before.
         tolerance: f64 = 1e-3, in TOLERANCE;
         /// Largest number of iterations on the images at full resolution.
         max_iterations: usize = 50, in MAX_ITERATIONS;
