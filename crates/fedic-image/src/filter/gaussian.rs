@@ -22,7 +22,7 @@ const WAVENUMBERS: usize = 128;
 /// The image smoothed by a Gaussian filter of standard deviation `smoothing`, in pixels.
 ///
 /// The weights within four standard deviations are those whose frequency response is closest to that of the Gaussian,
-/// `exp(-(smoothing k)^2 / 2)`, up to 1.8 radians per pixel: of a `smoothing` of 0.8, within 4e-5 for waves of 4.2 px and longer. A
+/// `exp(-(smoothing k)^2 / 2)`, up to 1.8 radians per pixel: of a `smoothing` of 0.8, within 1e-4 for waves of 4.2 px and longer. A
 /// Gaussian sampled at the pixels has aliases there, 7e-4 in this example, and smooths a rotated or stretched image differently. The
 /// border is mirrored. A `smoothing` of zero copies the image.
 ///
