@@ -187,7 +187,7 @@ def _draw(axes: Axes, line: list[Row], key: str, label: str, colour: str, cell: 
 def _claims(rows: list[Row]) -> list[Claim]:
     claims = [
         _knee(rows, PAPER, {"quad": 2.0, "triangle": 2.0}, at_least=0.03),
-        _knee(rows, UNFILTERED, {"quad": 1.0, "triangle": 1.6}, at_least=0.04),
+        _knee(rows, UNFILTERED, {"quad": 1.0, "triangle": 1.0}, at_least=0.04),
     ]
     half = {cell: _change(rows, DEFAULT, cell, 0.5, 1.0) for cell in CELLS}
     twice = {cell: -_change(rows, DEFAULT, cell, 2.0, 1.0) for cell in CELLS}
