@@ -81,7 +81,8 @@ def test_interpolation_experiment_supports_the_defaults(gmsh: Any) -> None:
     rows = pick(outcome, mesh="unstructured", rule="rotated", interpolation="bspline5")
     bare, chosen = (next(row for row in rows if row["smoothing"] == p) for p in (0.0, 0.8))
     assert chosen["noise_over_bound"] < 1.06
-    assert chosen["stretch_error_px"] > bare["stretch_error_px"]
+    # Both images are smoothed by the same filter on the material.
+    assert chosen["stretch_error_px"] < bare["stretch_error_px"]
 
 
 def test_too_small_images_are_refused(gmsh: Any) -> None:

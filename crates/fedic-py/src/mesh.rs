@@ -490,7 +490,7 @@ fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, 
 /// OptionError
 ///     If the bounds are empty or not finite, the size is not positive, or the cell type is unknown.
 #[pyfunction]
-#[pyo3(signature = (bounds, size=20.0, cell="quad"))]
+#[pyo3(signature = (bounds, size, cell="quad"))]
 pub(crate) fn rectangle_mesh(bounds: [f64; 4], size: f64, cell: &str) -> PyResult<Mesh> {
     let cell_type = CellType::from_str(cell).map_err(|error| option_error(error.to_string(), "cell"))?;
     let inner =
