@@ -64,9 +64,12 @@ def test_large_deformations_take_two_more_iterations_than_none(degrees: float, s
 
 
 @pytest.mark.parametrize("degrees", [0.0, 45.0])
-@pytest.mark.parametrize(("stretch", "accepted"), [(0.01, 1e-4), (0.05, 1e-4), (0.2, 1.5e-4), (-0.2, 1.5e-4)])
+@pytest.mark.parametrize(
+    # The first is not corrected: too small to matter.
+    ("stretch", "accepted"),
+    [(0.0024, 1e-4), (0.01, 1e-4), (0.05, 1e-4), (0.2, 1.5e-4), (-0.2, 1.5e-4)],
+)
 def test_smoothing_does_not_bias_strain(degrees: float, stretch: float, accepted: float) -> None:
-    """Without the correction for the deformation the errors are 3e-4, 2e-3 and 7e-3 px."""
     result, errors = measured(turned(degrees, stretch), "quad", 20.0)
     assert result.converged
     assert np.sqrt(np.mean(errors**2)) < accepted
