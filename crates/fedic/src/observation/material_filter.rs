@@ -22,7 +22,8 @@ use crate::projection::polynomial_basis::PolynomialBasis;
 use crate::projection::projected_points::{ProjectedPoint, project_nodes};
 use crate::{Error, Monitor};
 
-/// Relative change of length from which on the filters are told apart. Below, the error is less than 1e-4 px.
+/// Relative change of length from which on the filters are told apart. Below, the error is at most 1.4e-4 px rms at the nodes of quads of
+/// 20 px, and 2.1e-4 px at those of quad9 of 32 px.
 const MIN_STRETCH: f64 = 2.5e-3;
 /// Largest norm of `A`, in units of `s^2`, for which the series is used.
 const MAX_CHANGE: f64 = 1.5;
