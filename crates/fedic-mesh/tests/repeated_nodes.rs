@@ -87,11 +87,11 @@ fn distorted_cells_are_those_of_very_different_area_elements() {
     let trapezium = |top: f64| [[0.0, 0.0], [80.0, 0.0], [40.0 + 0.5 * top, 80.0], [40.0 - 0.5 * top, 80.0]];
     for (top, expected) in [(80.0, vec![]), (10.0, vec![]), (2.0, vec![0]), (0.0, vec![0])] {
         let mesh = Mesh::new(in_space(&trapezium(top)), &[(CellType::Quad, vec![0, 1, 2, 3])]).unwrap();
-        assert_eq!(mesh.distorted_cells(1.0 / 30.0), expected, "{top}");
+        assert_eq!(mesh.distorted_cells(Mesh::DISTORTED), expected, "{top}");
     }
     // A repeated node makes a triangle, which is not distorted.
     let mesh = Mesh::new(in_space(&TRIANGLE), &[(CellType::Quad, vec![0, 1, 2, 2])]).unwrap();
-    assert_eq!(mesh.distorted_cells(1.0 / 30.0), [0; 0]);
+    assert_eq!(mesh.distorted_cells(Mesh::DISTORTED), [0; 0]);
 }
 
 proptest! {

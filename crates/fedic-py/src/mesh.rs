@@ -13,11 +13,6 @@ use crate::mesh_set;
 use crate::strains::{self, StrainQuery};
 use crate::worker::run;
 
-/// Distance of nodes at one place, or of a node from an edge on which it lies, relative to the edge. Files of single precision round by 1e-5 of an edge.
-const COINCIDENT: f64 = 1e-4;
-/// Ratio of the least to the largest area element of a cell below which it is strongly distorted.
-const DISTORTED: f64 = 1.0 / 30.0;
-
 /// A surface mesh, plane or in space.
 ///
 /// Cells of a plane mesh listed clockwise are reversed. In space, neighbouring cells get the same orientation, the one in
@@ -244,20 +239,20 @@ impl Mesh {
     /// (m, 2) int64
     ///     The lowest-numbered node at a place, and each other node there.
     fn coincident_nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
-        let pairs = self.inner.coincident_nodes(COINCIDENT).into_iter().flatten().map(i64::from).collect();
+        let pairs = self.inner.coincident_nodes(fedic::Mesh::COINCIDENT).into_iter().flatten().map(i64::from).collect();
         table(py, pairs, 2)
     }
 
     /// Indices of nodes that lie on the edge of a cell without being its nodes, (m,) int64, ascending: parts whose nodes do not
     /// match along a seam. Edges are straight between their nodes.
     fn hanging_nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        PyArray1::from_iter(py, self.inner.hanging_nodes(COINCIDENT).into_iter().map(i64::from))
+        PyArray1::from_iter(py, self.inner.hanging_nodes(fedic::Mesh::COINCIDENT).into_iter().map(i64::from))
     }
 
     /// Indices of strongly distorted cells, (m,) int64, ascending: the area element at one of their nodes is less than 1/30 of
     /// that at another. Cells are numbered over all types in order.
     fn distorted_cells<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        PyArray1::from_iter(py, self.inner.distorted_cells(DISTORTED).into_iter().map(|cell| cell as i64))
+        PyArray1::from_iter(py, self.inner.distorted_cells(fedic::Mesh::DISTORTED).into_iter().map(|cell| cell as i64))
     }
 
     /// Write the mesh with its named sets.

@@ -7,6 +7,10 @@ use crate::MeshError;
 const SORTING_DIRECTION: [f64; 3] = [0.732_050_8, 0.563_471_6, 0.382_683_4];
 
 impl Mesh {
+    /// Distance, relative to the longest edge there, up to which the measurement takes nodes to be at one place, and a node to lie
+    /// on an edge. Files of single precision round by 1e-5 of an edge.
+    pub const COINCIDENT: f64 = 1e-4;
+
     /// Nodes of cells at the place of another one: pairs of the lowest node at a place and each other node there, ascending.
     ///
     /// Two nodes are at one place if they are closer than `relative` times the longest edge at either of them. Such nodes make

@@ -4,6 +4,9 @@ use super::Mesh;
 use crate::isoparametric::{cross, tangents};
 
 impl Mesh {
+    /// Ratio of area elements below which the measurement warns of [`distorted_cells`](Self::distorted_cells).
+    pub const DISTORTED: f64 = 1.0 / 30.0;
+
     /// Cells whose area element at some node is less than `ratio` times the largest at their nodes, ascending.
     ///
     /// Quadrilaterals with a repeated node count as the triangles they stand for.
