@@ -3,6 +3,7 @@
 use fedic_mesh::Mesh;
 use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SpdSolver, SymmetricMatrix};
 
+use crate::equations::patches::{Patch, patches};
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::{Error, SolveError};
 
@@ -11,6 +12,8 @@ use crate::{Error, SolveError};
 pub(crate) struct Dofs<const D: usize> {
     pub(crate) mesh: Mesh,
     pub(crate) pattern: Pattern,
+    /// Patches whose nodes are coupled, after the cells in the pattern. Empty unless a penalty couples them.
+    pub(crate) patches: Vec<Patch>,
     cholesky: Cholesky,
     /// Index in the user's mesh of each node kept.
     kept: Vec<u32>,
@@ -25,10 +28,26 @@ impl<const D: usize> Dofs<D> {
     /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
-        let pattern = Pattern::new(mesh.num_nodes(), D, mesh.cells().map(|cell| cell.nodes));
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), Vec::new())
+    }
+
+    /// Does what [`new`](Self::new) does, with the nodes of each patch coupled as those of each cell are.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub(crate) fn with_patches(user_mesh: &Mesh) -> Result<Self, SolveError> {
+        let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
+        let patches = patches(&mesh);
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), patches)
+    }
+
+    fn of_compact(mesh: Mesh, kept: Vec<u32>, num_user_nodes: usize, patches: Vec<Patch>) -> Result<Self, SolveError> {
+        let coupled = mesh.cells().map(|cell| cell.nodes).chain(patches.iter().map(|patch| patch.nodes.as_slice()));
+        let pattern = Pattern::new(mesh.num_nodes(), D, coupled);
         let cholesky =
             Cholesky::new(&pattern, mesh.points()).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
-        Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes() })
+        Ok(Self { mesh, pattern, patches, cholesky, kept, num_user_nodes })
     }
 
     /// Factorises a Hessian, in single precision if `compact`.
