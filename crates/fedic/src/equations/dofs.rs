@@ -1,9 +1,11 @@
 //! Nodal unknowns of a mesh: sparsity pattern, symbolic factorisation, and the map to the nodes of the user's mesh.
 
+use std::collections::BTreeSet;
+
 use fedic_mesh::Mesh;
 use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SpdSolver, SymmetricMatrix};
 
-use crate::equations::patches::{Patch, patches};
+use crate::equations::patches::{Patch, parts, patches};
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::{Error, SolveError};
 
@@ -88,6 +90,24 @@ impl<const D: usize> Dofs<D> {
         }
         let nodes: Vec<usize> = (0..textured.len()).filter(|&node| !textured[node]).collect();
         if nodes.is_empty() { Ok(()) } else { Err(self.undetermined(nodes, quadrature)) }
+    }
+
+    /// Refuses a mesh with parts, whose cells share no patch, all of whose cells are flat, as given by `is_flat` for each cell.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::FlatPart`], which names the nodes.
+    pub(crate) fn check_texture_of_parts(&self, is_flat: &[bool]) -> Result<(), SolveError> {
+        let parts = parts(self.mesh.num_cells(), &self.patches);
+        let mut textured = vec![false; self.mesh.num_cells()];
+        parts.iter().zip(is_flat).filter(|(_, flat)| !**flat).for_each(|(&part, _)| textured[part] = true);
+        let flat = (0..parts.len()).filter(|&cell| !textured[parts[cell]]);
+        let nodes: BTreeSet<usize> =
+            flat.flat_map(|cell| self.mesh.cell(cell).nodes).map(|&node| node as usize).collect();
+        if nodes.is_empty() {
+            return Ok(());
+        }
+        Err(SolveError::FlatPart { nodes: self.user_nodes(nodes.into_iter().collect()) })
     }
 
     /// The error that names nodes, in increasing order, and the cell with the fewest points among theirs.

@@ -1,29 +1,31 @@
-//! Patches of a mesh: the linear cells around each node, connected across edges.
+//! Patches of a mesh: the linear cells around each point of a lattice of nodes, connected across edges.
 
 use std::collections::BTreeSet;
 
-use fedic_mesh::Mesh;
+use fedic_mesh::{Mesh, map, shape_values};
 use nalgebra::Vector3;
 
 /// Number of coefficients of a quadratic polynomial in two variables.
 const NUM_QUADRATIC: usize = 6;
 
-/// The linear cells around a node that are connected across the edges at this node.
+/// The linear cells around a point that are connected across the edges at this point.
 ///
-/// Quadratic cells are cut into linear ones between their nodes. Cells on the two sides of a crack, or that meet in the node alone,
-/// belong to different patches.
+/// Points are the nodes, and the centres of cells whose nodes leave a gap there. Quadratic cells are cut into linear ones between
+/// these points. Cells on the two sides of a crack, or that meet in the point alone, belong to different patches.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
-    /// Nodes of these cells, increasing. Patches with too few nodes for a quadratic polynomial have those of the cells across
-    /// their edges as well.
+    /// Points of these cells, increasing: nodes of the mesh, and the number of nodes plus the number of the cell for the centre of a
+    /// cell. Patches with too few points for a quadratic polynomial have those of the cells across their edges as well.
+    pub(crate) points: Vec<u32>,
+    /// Nodes that the values at the points depend on, increasing.
     pub(crate) nodes: Vec<u32>,
-    /// Cells of the mesh around the node.
+    /// Cells of the mesh around the point.
     pub(crate) cells: Vec<u32>,
     /// Share of the area of these cells.
     pub(crate) area: f64,
     /// Unit normal.
     pub(crate) normal: [f64; 3],
-    /// Whether the cells surround the node.
+    /// Whether the cells surround the point.
     pub(crate) surrounded: bool,
 }
 
@@ -32,15 +34,15 @@ struct LinearCell {
     /// Cell of the mesh that it is part of.
     cell: u32,
     /// Corners, of which neighbours may be the same.
-    nodes: Vec<u32>,
+    points: Vec<u32>,
     /// Integral of the normal.
     area_vector: Vector3<f64>,
 }
 
-/// An edge, its lower node first, and one of its cells.
+/// An edge, its lower point first, and one of its cells.
 type Side = ([u32; 2], u32);
 
-/// Patches of a mesh, in the order of their nodes.
+/// Patches of a mesh, in the order of their points.
 pub(crate) fn patches(mesh: &Mesh) -> Vec<Patch> {
     let cells = linear_cells(mesh);
     let mut sides: Vec<Side> = cells.iter().enumerate().flat_map(|(index, cell)| sides_of(index, cell)).collect();
@@ -52,36 +54,59 @@ pub(crate) fn patches(mesh: &Mesh) -> Vec<Patch> {
             across[a as usize].extend(edge.iter().map(|&(_, b)| b).filter(|&b| b != a));
         }
     }
-    // Each edge at both of its nodes.
-    let mut stars: Vec<(u32, &[Side])> = edges().flat_map(|edge| edge[0].0.map(|node| (node, edge))).collect();
-    stars.sort_by_key(|&(node, _)| node);
-    stars.chunk_by(|a, b| a.0 == b.0).flat_map(|star| patches_of_node(&cells, star, &across)).collect()
+    // Each edge at both of its points.
+    let mut stars: Vec<(u32, &[Side])> = edges().flat_map(|edge| edge[0].0.map(|point| (point, edge))).collect();
+    stars.sort_by_key(|&(point, _)| point);
+    stars.chunk_by(|a, b| a.0 == b.0).flat_map(|star| patches_of_point(mesh, &cells, star, &across)).collect()
+}
+
+/// Position of a point of the lattice.
+pub(crate) fn position(mesh: &Mesh, point: u32) -> [f64; 3] {
+    match (point as usize).checked_sub(mesh.num_nodes()) {
+        None => mesh.points()[point as usize],
+        Some(cell) => {
+            let cell_type = mesh.cell(cell).cell_type;
+            map(cell_type, &mesh.cell_points(cell), cell_type.reference_centre())
+        }
+    }
+}
+
+/// Nodes that the value at a point of the lattice depends on, and their shares.
+pub(crate) fn shares(mesh: &Mesh, point: u32) -> Vec<(u32, f64)> {
+    match (point as usize).checked_sub(mesh.num_nodes()) {
+        None => vec![(point, 1.0)],
+        Some(cell) => {
+            let cell = mesh.cell(cell);
+            let shape = shape_values(cell.cell_type, cell.cell_type.reference_centre());
+            cell.nodes.iter().copied().zip(shape).collect()
+        }
+    }
 }
 
 fn linear_cells(mesh: &Mesh) -> Vec<LinearCell> {
-    let points = mesh.points();
     let mut cells = Vec::new();
     for (index, cell) in mesh.cells().enumerate() {
+        let centre = (mesh.num_nodes() + index) as u32;
         for part in cell.cell_type.data().linear_parts {
-            let nodes: Vec<u32> = part.iter().map(|&local| cell.nodes[local]).collect();
-            let from_first =
-                |node: u32| Vector3::from(points[node as usize]) - Vector3::from(points[nodes[0] as usize]);
-            let area_vector = nodes.windows(2).map(|pair| from_first(pair[0]).cross(&from_first(pair[1])) / 2.0).sum();
-            cells.push(LinearCell { cell: index as u32, nodes, area_vector });
+            let points: Vec<u32> = part.iter().map(|&local| cell.nodes.get(local).copied().unwrap_or(centre)).collect();
+            let corners: Vec<Vector3<f64>> = points.iter().map(|&point| position(mesh, point).into()).collect();
+            let area_vector =
+                corners.windows(2).map(|pair| (pair[0] - corners[0]).cross(&(pair[1] - corners[0])) / 2.0).sum();
+            cells.push(LinearCell { cell: index as u32, points, area_vector });
         }
     }
     cells
 }
 
-/// Edges of a linear cell, those between repeated nodes left out.
+/// Edges of a linear cell, those between repeated points left out.
 fn sides_of(index: usize, cell: &LinearCell) -> impl Iterator<Item = Side> {
-    let next = cell.nodes.iter().cycle().skip(1);
-    let edges = cell.nodes.iter().zip(next).filter(|(a, b)| a != b);
+    let next = cell.points.iter().cycle().skip(1);
+    let edges = cell.points.iter().zip(next).filter(|(a, b)| a != b);
     edges.map(move |(&a, &b)| ([a.min(b), a.max(b)], index as u32))
 }
 
-/// Patches of a node from the edges there.
-fn patches_of_node(cells: &[LinearCell], star: &[(u32, &[Side])], across: &[Vec<u32>]) -> Vec<Patch> {
+/// Patches of a point from the edges there.
+fn patches_of_point(mesh: &Mesh, cells: &[LinearCell], star: &[(u32, &[Side])], across: &[Vec<u32>]) -> Vec<Patch> {
     let mut fans: Vec<BTreeSet<u32>> = Vec::new();
     for (_, edge) in star {
         let mut fan: BTreeSet<u32> = edge.iter().map(|&(_, cell)| cell).collect();
@@ -98,13 +123,16 @@ fn patches_of_node(cells: &[LinearCell], star: &[(u32, &[Side])], across: &[Vec<
         let mut area = 0.0;
         let mut normal = Vector3::zeros();
         for cell in fan.iter().map(|&cell| &cells[cell as usize]) {
-            area += cell.area_vector.norm() / cell.nodes.len() as f64;
+            area += cell.area_vector.norm() / cell.points.len() as f64;
             // Cells may be numbered in either sense.
             normal += cell.area_vector.dot(&normal).signum() * cell.area_vector;
         }
         let on_mesh: BTreeSet<u32> = fan.iter().map(|&cell| cells[cell as usize].cell).collect();
+        let points = points_of(cells, &fan, across);
+        let nodes: BTreeSet<u32> = points.iter().flat_map(|&point| shares(mesh, point)).map(|(node, _)| node).collect();
         Patch {
-            nodes: nodes_of(cells, &fan, across),
+            points,
+            nodes: nodes.into_iter().collect(),
             cells: on_mesh.into_iter().collect(),
             area,
             normal: normal.try_normalize(0.0).unwrap_or_else(Vector3::z).into(),
@@ -114,18 +142,18 @@ fn patches_of_node(cells: &[LinearCell], star: &[(u32, &[Side])], across: &[Vec<
     fans.into_iter().map(patch).collect()
 }
 
-/// Nodes of some linear cells, and of those across their edges until there are enough for a quadratic polynomial.
-fn nodes_of(cells: &[LinearCell], fan: &BTreeSet<u32>, across: &[Vec<u32>]) -> Vec<u32> {
+/// Points of some linear cells, and of those across their edges until there are enough for a quadratic polynomial.
+fn points_of(cells: &[LinearCell], fan: &BTreeSet<u32>, across: &[Vec<u32>]) -> Vec<u32> {
     let mut fan = fan.clone();
     loop {
-        let nodes: BTreeSet<u32> = fan.iter().flat_map(|&cell| &cells[cell as usize].nodes).copied().collect();
+        let points: BTreeSet<u32> = fan.iter().flat_map(|&cell| &cells[cell as usize].points).copied().collect();
         let before = fan.len();
-        if nodes.len() < NUM_QUADRATIC {
+        if points.len() < NUM_QUADRATIC {
             let grown: Vec<u32> = fan.iter().flat_map(|&cell| &across[cell as usize]).copied().collect();
             fan.extend(grown);
         }
         if fan.len() == before {
-            return nodes.into_iter().collect();
+            return points.into_iter().collect();
         }
     }
 }
@@ -158,14 +186,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_node_has_one_patch_which_its_cells_surround_if_it_is_inside() {
+    fn each_point_has_one_patch_which_its_cells_surround_if_it_is_inside() {
         for cell_type in CellType::ALL {
             let mesh = rectangle_mesh([0.0, 0.0, 4.0, 4.0], 1.0, cell_type).unwrap();
             let patches = patches(&mesh);
-            assert_eq!(patches.len(), mesh.num_nodes(), "{cell_type:?}");
-            let inside = |node: usize| mesh.points()[node][..2].iter().all(|&x| x > 0.0 && x < 4.0);
-            assert!((0..patches.len()).all(|node| patches[node].surrounded == inside(node)), "{cell_type:?}");
-            assert!(patches.iter().all(|patch| patch.nodes.len() >= NUM_QUADRATIC && patch.nodes.is_sorted()));
+            let centres = if cell_type == CellType::Quad8 { mesh.num_cells() } else { 0 };
+            assert_eq!(patches.len(), mesh.num_nodes() + centres, "{cell_type:?}");
+            let inside = |point: usize| position(&mesh, point as u32)[..2].iter().all(|&x| x > 0.0 && x < 4.0);
+            assert!((0..patches.len()).all(|point| patches[point].surrounded == inside(point)), "{cell_type:?}");
+            assert!(patches.iter().all(|patch| patch.points.len() >= NUM_QUADRATIC && patch.points.is_sorted()));
             assert!(patches.iter().all(|patch| patch.normal == [0.0, 0.0, 1.0]));
             assert!((patches.iter().map(|patch| patch.area).sum::<f64>() - 16.0).abs() < 1e-12, "{cell_type:?}");
             assert!(parts(mesh.num_cells(), &patches).iter().all(|&part| part == 0));

@@ -87,20 +87,25 @@ impl<const D: usize> Level<D> {
         })?;
         let camera = observation.camera.as_ref();
         let subset = stratified_cells(mesh, &project_nodes::<D>(mesh, camera, None));
-        if settings.smoothing.is_none() {
-            dofs.check_texture(&flat_cells(&energies), &observation.quadrature)?;
+        match &settings.smoothing {
+            None => dofs.check_texture(&flat_cells(&energies), &observation.quadrature)?,
+            Some(Smoothing::Curvature(_)) => dofs.check_texture_of_parts(&flat_cells(&energies))?,
+            Some(Smoothing::Gradient { .. }) => {}
         }
-        let penalty = settings.smoothing.map(|smoothing| {
+        let mut penalty = None;
+        if let Some(smoothing) = settings.smoothing {
             let factor = match &smoothing {
                 Smoothing::Gradient { laplacian, wavelength } => {
                     let trace = energies.iter().map(|(trace, _)| trace).sum();
                     laplacian.factor_of_wavelength::<D>(mesh, camera, trace, *wavelength)
                 }
-                Smoothing::Curvature(curvature) => curvature.factor(dofs, &hessian),
+                Smoothing::Curvature(curvature) => {
+                    curvature.factor(dofs, &hessian, |system| dofs.factorize(system, false, &observation.quadrature))?
+                }
             };
             hessian.add_scaled(factor, smoothing.matrix());
-            (smoothing, factor)
-        });
+            penalty = Some((smoothing, factor));
+        }
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;
         Ok(Self { observation, subset, factor, filter: settings.filter, penalty })
     }
