@@ -9,7 +9,8 @@ use fedic_mesh::{Mesh, map};
 use rayon::ThreadPool;
 
 use crate::equations::dofs::Dofs;
-use crate::equations::terms::tikhonov::Laplacian;
+use crate::equations::terms::curvature::Curvature;
+use crate::equations::terms::laplacian::Laplacian;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::image_source::view_of;
 use crate::observation::material_filter::MaterialFilter;
@@ -21,7 +22,7 @@ use crate::results::residual_map::{ImagePair, residual_map};
 use crate::results::solution::Iteration;
 use crate::solve::basis::nodal::NodalBasis;
 use crate::solve::gauss_newton::{GaussNewton, residual_rms};
-use crate::solve::level::{Level, LevelSettings};
+use crate::solve::level::{Level, LevelSettings, Smoothing};
 use crate::solve::start::pyramid::Pyramid;
 use crate::solve::start::smooth_field::smooth_start;
 use crate::{Error, ImageSource, Monitor, Options, PLANE, Progress, Solution, Stage};
@@ -112,13 +113,12 @@ impl Correlator {
             let size = [view.width(), view.height()];
             // The order of the unknowns is computed serially: the image is prepared at the same time.
             let (dofs, sampler) = rayon::join(
-                || Dofs::new(mesh),
+                || if options.regularization_length.is_some() { Dofs::with_patches(mesh) } else { Dofs::new(mesh) },
                 || ImageSampler::new(view, options.interpolation, options.gradient, options.smoothing),
             );
             let (dofs, sampler) = (dofs?, sampler?);
-            let laplacian = OnceLock::new();
-            let smoothing =
-                options.regularization_length.map(|length| (Arc::clone(laplacian_of(&laplacian, &dofs)), length));
+            let curvature = |length| Curvature::new(&dofs, camera.as_ref(), length, monitor);
+            let smoothing = options.regularization_length.map(curvature).transpose()?.map(Smoothing::Curvature);
             let settings = LevelSettings {
                 observation: ObservationSettings { quadrature: options.quadrature, size, require_full_coverage: true },
                 // A penalty makes the system ill-conditioned whatever its pivots are.
@@ -128,15 +128,15 @@ impl Correlator {
                     .then(|| MaterialFilter::new(options.smoothing, Arc::clone(&reference))),
             };
             let level = Level::new(&dofs, Arc::clone(&camera), sampler, settings, monitor)?;
-            Ok::<_, Error>((dofs, laplacian, level, size))
+            Ok::<_, Error>((dofs, level, size))
         };
-        let (dofs, laplacian, level, size) = view_of(reference.as_ref(), |view| match &pool {
+        let (dofs, level, size) = view_of(reference.as_ref(), |view| match &pool {
             Some(pool) => pool.install(|| prepare(view)),
             None => prepare(view),
         })??;
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
-        let (pyramid, last) = (OnceLock::new(), Mutex::default());
+        let (laplacian, pyramid, last) = (OnceLock::new(), OnceLock::new(), Mutex::default());
         Ok(Self { dofs, reference, camera, options, size, level, laplacian, pyramid, last, pool })
     }
 
@@ -353,7 +353,8 @@ impl Correlator {
     }
 
     fn pyramid_of(&self, reduced: &Image, monitor: &dyn Monitor) -> Result<Pyramid<PLANE>, Error> {
-        Pyramid::new(&self.dofs, &self.camera, reduced, laplacian_of(&self.laplacian, &self.dofs), monitor)
+        let laplacian = self.laplacian.get_or_init(|| Arc::new(Laplacian::new(&self.dofs)));
+        Pyramid::new(&self.dofs, &self.camera, reduced, laplacian, monitor)
     }
 
     fn check_size(&self, deformed: ImageView<'_>) -> Result<(), Error> {
@@ -367,9 +368,4 @@ impl Correlator {
             None => work(),
         }
     }
-}
-
-/// The matrix of the penalty, assembled when first needed.
-fn laplacian_of<'a>(laplacian: &'a OnceLock<Arc<Laplacian>>, dofs: &Dofs<PLANE>) -> &'a Arc<Laplacian> {
-    laplacian.get_or_init(|| Arc::new(Laplacian::new(dofs)))
 }

@@ -188,6 +188,31 @@ fn nodes_without_texture_are_named_by_mesh_node_number() {
 }
 
 #[test]
+fn a_regularization_does_not_determine_parts_without_texture() {
+    let [reference, _] = images();
+    let greys = reference.pixels().iter().enumerate().map(|(k, &grey)| if k % 90 > 50 { 100.0 } else { grey });
+    let half = Image::new(90, 80, greys.collect()).unwrap();
+    let options = Options::default().regularization_length(Some(60.0));
+    // The displacement of the textured cells is continued across their edges, but not to cells apart from them.
+    assert!(prepare(&half, &quads([15.0, 15.0, 75.0, 65.0], 10.0), options.clone()).is_ok());
+    let [left, right] = [quads([15.0, 15.0, 45.0, 65.0], 10.0), quads([56.0, 15.0, 76.0, 65.0], 10.0)];
+    let points: Vec<[f64; 3]> = left.points().iter().chain(right.points()).copied().collect();
+    let of_right = right.cells().flat_map(|cell| cell.nodes.iter().map(|&node| i64::from(node) + 24));
+    let cells = left.cells().flat_map(|cell| cell.nodes.iter().map(|&n| i64::from(n))).chain(of_right).collect();
+    let error = refused(prepare(&half, &Mesh::new(points, &[(CellType::Quad, cells)]).unwrap(), options));
+    assert_eq!(error, Error::Solve(SolveError::FlatPart { nodes: (24..42).collect() }));
+    assert!(error.to_string().ends_with("leave the part out of the mesh"), "{error}");
+}
+
+#[test]
+fn regularization_lengths_that_rounding_errors_forbid_are_refused() {
+    let [reference, _] = images();
+    let error = refused(prepare(&reference, &inner_mesh(), Options::default().regularization_length(Some(1e6))));
+    assert!(matches!(&error, Error::Option(OptionError::Invalid { option: "regularization_length", .. })), "{error:?}");
+    assert!(error.to_string().contains("at most 2000 times the mean edge of the cells"), "{error}");
+}
+
+#[test]
 fn a_start_of_the_wrong_length_or_not_finite_is_refused() {
     let [reference, deformed] = images();
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();

@@ -16,6 +16,9 @@ pub struct CellData {
     pub outline: &'static [usize],
     /// Local indices that list the nodes clockwise, from the first corner.
     pub reversed: &'static [usize],
+    /// Local indices of the corners of linear triangles and quadrilaterals between the nodes, counter-clockwise. They cover the domain.
+    /// The number of nodes stands for the centre.
+    pub linear_parts: &'static [&'static [usize]],
     /// Number of intervals per edge of the coarsest regular grid of the domain that contains all nodes.
     pub grid_intervals: usize,
     /// Whether the values and slopes at the nodes and the value at the centre determine the coefficient of `xi^i eta^j`

@@ -8,6 +8,7 @@ pub(super) const DATA: CellData = CellData {
     reference_nodes: &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
     outline: &[0, 1, 2, 3],
     reversed: &[0, 3, 2, 1],
+    linear_parts: &[&[0, 1, 2, 3]],
     grid_intervals: 1,
     // Corners and centre do not tell fourth powers from squares.
     determines: |i, j| i + j <= 4 && i < 4 && j < 4,

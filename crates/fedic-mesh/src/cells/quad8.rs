@@ -17,6 +17,7 @@ pub(super) const DATA: CellData = CellData {
     ],
     outline: &[0, 4, 1, 5, 2, 6, 3, 7],
     reversed: &[0, 3, 2, 1, 7, 6, 5, 4],
+    linear_parts: &[&[0, 4, 8, 7], &[4, 1, 5, 8], &[8, 5, 2, 6], &[7, 8, 6, 3]],
     grid_intervals: 2,
     determines: |i, j| i + j <= 4,
     vtk_type: 23,

@@ -8,6 +8,7 @@ pub(super) const DATA: CellData = CellData {
     reference_nodes: &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
     outline: &[0, 1, 2],
     reversed: &[0, 2, 1],
+    linear_parts: &[&[0, 1, 2]],
     grid_intervals: 1,
     determines: |i, j| i + j <= 3,
     vtk_type: 5,

@@ -8,6 +8,7 @@ pub(super) const DATA: CellData = CellData {
     reference_nodes: &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
     outline: &[0, 3, 1, 4, 2, 5],
     reversed: &[0, 2, 1, 5, 4, 3],
+    linear_parts: &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
     grid_intervals: 2,
     determines: |i, j| i + j <= 4,
     vtk_type: 22,

@@ -1,8 +1,11 @@
 //! Nodal unknowns of a mesh: sparsity pattern, symbolic factorisation, and the map to the nodes of the user's mesh.
 
+use std::collections::BTreeSet;
+
 use fedic_mesh::Mesh;
 use fedic_sparse::{Cholesky, Factor, Pattern, SparseError, SpdSolver, SymmetricMatrix};
 
+use crate::equations::patches::{Patch, parts, patches};
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::{Error, SolveError};
 
@@ -11,6 +14,8 @@ use crate::{Error, SolveError};
 pub(crate) struct Dofs<const D: usize> {
     pub(crate) mesh: Mesh,
     pub(crate) pattern: Pattern,
+    /// Patches whose nodes are coupled, after the cells in the pattern. Empty unless a penalty couples them.
+    pub(crate) patches: Vec<Patch>,
     cholesky: Cholesky,
     /// Index in the user's mesh of each node kept.
     kept: Vec<u32>,
@@ -25,10 +30,26 @@ impl<const D: usize> Dofs<D> {
     /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
-        let pattern = Pattern::new(mesh.num_nodes(), D, mesh.cells().map(|cell| cell.nodes));
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), Vec::new())
+    }
+
+    /// Does what [`new`](Self::new) does, with the nodes of each patch coupled as those of each cell are.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub(crate) fn with_patches(user_mesh: &Mesh) -> Result<Self, SolveError> {
+        let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
+        let patches = patches(&mesh);
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), patches)
+    }
+
+    fn of_compact(mesh: Mesh, kept: Vec<u32>, num_user_nodes: usize, patches: Vec<Patch>) -> Result<Self, SolveError> {
+        let coupled = mesh.cells().map(|cell| cell.nodes).chain(patches.iter().map(|patch| patch.nodes.as_slice()));
+        let pattern = Pattern::new(mesh.num_nodes(), D, coupled);
         let cholesky =
             Cholesky::new(&pattern, mesh.points()).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
-        Ok(Self { mesh, pattern, cholesky, kept, num_user_nodes: user_mesh.num_nodes() })
+        Ok(Self { mesh, pattern, patches, cholesky, kept, num_user_nodes })
     }
 
     /// Factorises a Hessian, in single precision if `compact`.
@@ -69,6 +90,24 @@ impl<const D: usize> Dofs<D> {
         }
         let nodes: Vec<usize> = (0..textured.len()).filter(|&node| !textured[node]).collect();
         if nodes.is_empty() { Ok(()) } else { Err(self.undetermined(nodes, quadrature)) }
+    }
+
+    /// Refuses a mesh with parts, whose cells share no patch, all of whose cells are flat, as given by `is_flat` for each cell.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::FlatPart`], which names the nodes.
+    pub(crate) fn check_texture_of_parts(&self, is_flat: &[bool]) -> Result<(), SolveError> {
+        let parts = parts(self.mesh.num_cells(), &self.patches);
+        let mut textured = vec![false; self.mesh.num_cells()];
+        parts.iter().zip(is_flat).filter(|(_, flat)| !**flat).for_each(|(&part, _)| textured[part] = true);
+        let flat = (0..parts.len()).filter(|&cell| !textured[parts[cell]]);
+        let nodes: BTreeSet<usize> =
+            flat.flat_map(|cell| self.mesh.cell(cell).nodes).map(|&node| node as usize).collect();
+        if nodes.is_empty() {
+            return Ok(());
+        }
+        Err(SolveError::FlatPart { nodes: self.user_nodes(nodes.into_iter().collect()) })
     }
 
     /// The error that names nodes, in increasing order, and the cell with the fewest points among theirs.

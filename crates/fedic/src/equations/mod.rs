@@ -6,5 +6,6 @@ pub(crate) mod basis;
 pub(crate) mod deformation;
 pub(crate) mod dofs;
 pub(crate) mod normal_equations;
+pub(crate) mod patches;
 pub(crate) mod term;
 pub(crate) mod terms;

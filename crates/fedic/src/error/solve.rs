@@ -29,6 +29,16 @@ pub enum SolveError {
         /// Unknowns of that cell.
         unknowns: usize,
     },
+    /// A part of the mesh has no texture at all, from which a regularization could continue the displacement.
+    #[error(
+        "the images do not determine the displacement of {}: no cell of that part of the mesh has a texture, and a \
+         regularization continues the displacement across the edges of cells alone; leave the part out of the mesh",
+        list_indices("node", nodes)
+    )]
+    FlatPart {
+        /// Nodes of such parts.
+        nodes: Vec<usize>,
+    },
     /// The images do not determine the parameters of a reduced basis.
     #[error("the images do not determine the {parameters} parameters of the displacement field")]
     UndeterminedParameters {

@@ -133,8 +133,9 @@ declare_options! {
         /// Time at which the Hessian is computed: `initial`, once, over all points of the reference image, or `updated`, at
         /// every iteration, over the points inside the deformed image. It does not depend on the displacement otherwise.
         hessian: Hessian = Hessian::default();
-        /// Wavelength, in pixels of the reference image, below which the displacement is smoothed (Tikhonov, on its gradient);
-        /// no smoothing by default.
+        /// Wavelength, in pixels of the reference image, of the displacements whose amplitude a penalty on the second
+        /// derivatives halves: waves of twice the length keep 94 %, of half the length 6 %. Rigid motions of any size and
+        /// uniform strain are left alone, with free edges too. The length is accurate from five cells on; no penalty by default.
         regularization_length: Option<f64> = None, in REGULARIZATION_LENGTH;
         /// The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from the
         /// last correction and its ratio to the one before.

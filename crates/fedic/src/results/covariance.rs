@@ -99,7 +99,7 @@ impl<const D: usize> NoisePass<'_, D> {
         let mut matrix = SymmetricMatrix::zeros(pattern);
         let nodes = project_nodes::<D>(&self.dofs.mesh, self.observation.camera.as_ref(), None);
         for_each_in_order(
-            0..pattern.num_cells(),
+            0..self.dofs.mesh.num_cells(),
             monitor,
             |workspace: &mut Workspace<D>, cell, _| self.cell_covariance(workspace, cell, &nodes),
             |cell, covariance| matrix.add_cell(pattern, cell, &covariance.entries()),

@@ -7,8 +7,10 @@ use fedic_image::Interpolator;
 use fedic_sparse::{Factor, SymmetricMatrix};
 
 use crate::equations::dofs::Dofs;
+use crate::equations::terms::curvature::Curvature;
 use crate::equations::terms::image::ImageTerm;
-use crate::equations::terms::tikhonov::{Laplacian, Tikhonov};
+use crate::equations::terms::laplacian::Laplacian;
+use crate::equations::terms::penalty::Penalty;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::{Observation, ObservationSettings};
@@ -31,19 +33,35 @@ pub(crate) struct Level<const D: usize> {
     pub(crate) factor: Factor,
     /// Corrects the smoothing of the reference image for the deformation, if the images are smoothed.
     filter: Option<MaterialFilter<D>>,
-    /// Penalty on the gradient of the displacement and its factor, if the displacement is smoothed.
-    penalty: Option<(Arc<Laplacian>, f64)>,
+    /// Penalty and its factor, if the displacement is smoothed.
+    penalty: Option<(Smoothing, f64)>,
 }
 
 /// How a level is made.
 pub(crate) struct LevelSettings<const D: usize> {
     pub(crate) observation: ObservationSettings,
-    /// Matrix of the penalty, and wavelength in pixels of this level below which the displacement is smoothed.
-    pub(crate) smoothing: Option<(Arc<Laplacian>, f64)>,
+    pub(crate) smoothing: Option<Smoothing>,
     /// The reference image and its smoothing, in pixels of this level, to smooth both images by the same filter on the material.
     pub(crate) filter: Option<MaterialFilter<D>>,
     /// Whether the factor may be kept in single precision.
     pub(crate) compact: bool,
+}
+
+/// Penalty that smooths the displacement.
+pub(crate) enum Smoothing {
+    /// On its gradient, below a wavelength in pixels of the level.
+    Gradient { laplacian: Arc<Laplacian>, wavelength: f64 },
+    /// On its second derivatives.
+    Curvature(Curvature),
+}
+
+impl Smoothing {
+    fn matrix(&self) -> &SymmetricMatrix {
+        match self {
+            Self::Gradient { laplacian, .. } => &laplacian.matrix,
+            Self::Curvature(curvature) => &curvature.matrix,
+        }
+    }
 }
 
 impl<const D: usize> Level<D> {
@@ -69,15 +87,25 @@ impl<const D: usize> Level<D> {
         })?;
         let camera = observation.camera.as_ref();
         let subset = stratified_cells(mesh, &project_nodes::<D>(mesh, camera, None));
-        if settings.smoothing.is_none() {
-            dofs.check_texture(&flat_cells(&energies), &observation.quadrature)?;
+        match &settings.smoothing {
+            None => dofs.check_texture(&flat_cells(&energies), &observation.quadrature)?,
+            Some(Smoothing::Curvature(_)) => dofs.check_texture_of_parts(&flat_cells(&energies))?,
+            Some(Smoothing::Gradient { .. }) => {}
         }
-        let penalty = settings.smoothing.map(|(laplacian, wavelength)| {
-            let trace = energies.iter().map(|(trace, _)| trace).sum();
-            let factor = laplacian.factor_of_wavelength::<D>(mesh, camera, trace, wavelength);
-            laplacian.add_to(factor, &mut hessian);
-            (laplacian, factor)
-        });
+        let mut penalty = None;
+        if let Some(smoothing) = settings.smoothing {
+            let factor = match &smoothing {
+                Smoothing::Gradient { laplacian, wavelength } => {
+                    let trace = energies.iter().map(|(trace, _)| trace).sum();
+                    laplacian.factor_of_wavelength::<D>(mesh, camera, trace, *wavelength)
+                }
+                Smoothing::Curvature(curvature) => {
+                    curvature.factor(dofs, &hessian, |system| dofs.factorize(system, false, &observation.quadrature))?
+                }
+            };
+            hessian.add_scaled(factor, smoothing.matrix());
+            penalty = Some((smoothing, factor));
+        }
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;
         Ok(Self { observation, subset, factor, filter: settings.filter, penalty })
     }
@@ -109,8 +137,11 @@ impl<const D: usize> Level<D> {
         let mut image = self.image_term(dofs, deformed, brightness).with_filter(self.filter.as_ref());
         image.estimate_gain_offset(&start, &self.subset, monitor)?;
         let mut basis = NodalBasis::new(dofs, &self.factor, &self.observation.quadrature);
-        let mut penalty =
-            self.penalty.as_ref().map(|(laplacian, factor)| Tikhonov { dofs, laplacian, factor: *factor });
+        let mut penalty = self.penalty.as_ref().map(|(smoothing, factor)| Penalty {
+            dofs,
+            matrix: smoothing.matrix(),
+            factor: *factor,
+        });
         let outcome = match &mut penalty {
             Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, start, history, monitor),
             None => iterations.run(&mut [&mut image], &mut basis, start, history, monitor),

@@ -2,5 +2,7 @@
 //!
 //! May import: options, error, quadrature, kernels, projection, interpolation, observation, equations.
 
+pub(crate) mod curvature;
 pub(crate) mod image;
-pub(crate) mod tikhonov;
+pub(crate) mod laplacian;
+pub(crate) mod penalty;

@@ -7,13 +7,13 @@ use fedic_image::{Image, ImageView, Interpolation, Interpolator, downsample};
 use fedic_mesh::Rule;
 
 use crate::equations::dofs::Dofs;
-use crate::equations::terms::tikhonov::Laplacian;
+use crate::equations::terms::laplacian::Laplacian;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::observe::ObservationSettings;
 use crate::projection::projected_points::{pixel_bounds, project_nodes};
 use crate::results::solution::Iteration;
 use crate::solve::gauss_newton::GaussNewton;
-use crate::solve::level::{Level, LevelSettings};
+use crate::solve::level::{Level, LevelSettings, Smoothing};
 use crate::{Brightness, Error, Gradient, Hessian, Monitor, Quadrature};
 
 /// Smallest extent of the mesh in the coarsest image, in pixels: so few that any motion within the image is of the order of one.
@@ -62,7 +62,7 @@ impl<const D: usize> Pyramid<D> {
                     size: [image.width(), image.height()],
                     require_full_coverage: false,
                 },
-                smoothing: Some((Arc::clone(laplacian), WAVELENGTH)),
+                smoothing: Some(Smoothing::Gradient { laplacian: Arc::clone(laplacian), wavelength: WAVELENGTH }),
                 filter: None,
                 compact: false,
             };

@@ -1,14 +1,10 @@
-//! Tikhonov regularisation: a penalty on the gradient of the displacement, set by a wavelength.
+//! First-order penalty: the squared gradient of the displacement. Translations alone cost nothing.
 
 use fedic_camera::Camera;
 use fedic_mesh::{Mesh, Subdivision, jacobian, shape_gradients};
 use fedic_sparse::SymmetricMatrix;
 
-use crate::equations::basis::Basis;
 use crate::equations::dofs::Dofs;
-use crate::equations::normal_equations::NormalEquations;
-use crate::equations::term::{Term, TermReport};
-use crate::{Error, Monitor};
 
 /// Number of subdivisions of each edge for the integrals over a cell.
 const SUBDIVISIONS: u32 = 8;
@@ -16,43 +12,8 @@ const SUBDIVISIONS: u32 = 8;
 /// `integral of grad N_i . grad N_j` for every component, and the area of the mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Laplacian {
-    matrix: SymmetricMatrix,
+    pub(crate) matrix: SymmetricMatrix,
     area: f64,
-}
-
-/// `factor / 2` times the squared gradient of the displacement, integrated over the mesh.
-pub(crate) struct Tikhonov<'a, const D: usize> {
-    pub(crate) dofs: &'a Dofs<D>,
-    pub(crate) laplacian: &'a Laplacian,
-    pub(crate) factor: f64,
-}
-
-impl<const D: usize> Term<D> for Tikhonov<'_, D> {
-    fn assemble(
-        &mut self,
-        displacement: &[[f64; D]],
-        basis: &dyn Basis<D>,
-        equations: &mut NormalEquations,
-        _monitor: &dyn Monitor,
-    ) -> Result<TermReport, Error> {
-        let displacement = displacement.as_flattened();
-        let gradient = self.laplacian.matrix.multiply(&self.dofs.pattern, displacement);
-        basis.add_vector(-self.factor, &gradient, equations);
-        self.add_hessian(basis, equations);
-        let energy: f64 = gradient.iter().zip(displacement).map(|(g, u)| g * u).sum();
-        Ok(TermReport { cost: self.factor * energy, ..TermReport::default() })
-    }
-
-    fn is_penalty(&self) -> bool {
-        true
-    }
-}
-
-impl<const D: usize> Tikhonov<'_, D> {
-    /// Adds the Hessian of the penalty, which is constant.
-    pub(crate) fn add_hessian(&self, basis: &dyn Basis<D>, equations: &mut NormalEquations) {
-        basis.add_matrix(self.factor, &self.laplacian.matrix, equations);
-    }
 }
 
 impl Laplacian {
@@ -66,11 +27,6 @@ impl Laplacian {
             area += cell_area;
         }
         Self { matrix, area }
-    }
-
-    /// Adds `factor` times the matrix to a Hessian.
-    pub(crate) fn add_to(&self, factor: f64, hessian: &mut SymmetricMatrix) {
-        hessian.add_scaled(factor, &self.matrix);
     }
 
     /// Factor with which the penalty weighs as much as the image for a displacement of this wavelength, in pixels.
