@@ -32,6 +32,7 @@ from fedic.errors import (
     CalibrationWarning,
     CameraError,
     ConfigError,
+    ConvergenceWarning,
     FedicError,
     ImageError,
     MeshError,
@@ -44,7 +45,7 @@ from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
-from fedic.results import Iteration, Result, Strains
+from fedic.results import Attempt, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
@@ -54,10 +55,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CELL_TYPES",
+    "Attempt",
     "Calibration",
     "CalibrationWarning",
     "CameraError",
     "ConfigError",
+    "ConvergenceWarning",
     "Correlator",
     "FedicError",
     "FrontParallel",
@@ -72,6 +75,7 @@ __all__ = [
     "Pinhole",
     "PixelQuadrature",
     "Progress",
+    "Quality",
     "QualityWarning",
     "Registration",
     "Result",

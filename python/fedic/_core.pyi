@@ -12,10 +12,13 @@ from typing_extensions import disjoint_base
 from fedic.results.strains import StrainAxes, StrainMeasure, Strains
 
 __all__ = [
+    "CELL_FLAGS",
     "CELL_TYPES",
     "CORRELATION_OPTIONS",
     "INTERPOLATIONS",
     "LENSES",
+    "NODE_FLAGS",
+    "QUALITY_THRESHOLDS",
     "SPECIMEN_OPTIONS",
     "STRAIN_MEASURES",
     "CellType",
@@ -37,6 +40,7 @@ __all__ = [
     "interpolate_image",
     "rectangle_mesh",
     "render_plane",
+    "saturated_share",
     "spline_basis",
 ]
 
@@ -278,9 +282,14 @@ class OptionInfo:
     @property
     def doc(self) -> str: ...
 
+CELL_FLAGS: dict[str, str]
+NODE_FLAGS: dict[str, str]
+QUALITY_THRESHOLDS: dict[str, float]
+
 CORRELATION_OPTIONS: list[OptionInfo]
 SPECIMEN_OPTIONS: list[OptionInfo]
 
+def saturated_share(image: _Image, low: tuple[int, int], high: tuple[int, int]) -> float: ...
 def check_correlation_options(**options: object) -> None: ...
 
 @final
@@ -291,6 +300,7 @@ class Correlator:
         mesh: Mesh,
         camera: _Camera,
         *,
+        mask: NDArray[np.bool_] | None = None,
         progress: Callable[[str, int, int, float, float], Any] | None = None,
         **options: object,
     ) -> Correlator: ...
@@ -303,6 +313,7 @@ class Correlator:
         *,
         initial: NDArray[np.float64] | None = None,
         pyramid: bool = False,
+        max_iterations: int | None = None,
         progress: Callable[[str, int, int, float, float], Any] | None = None,
     ) -> Solution: ...
     def residual_map(self, deformed: _Image, displacement: ArrayLike) -> NDArray[np.float32]: ...
@@ -312,6 +323,8 @@ class Correlator:
 class Solution:
     @property
     def displacement(self) -> NDArray[np.float64]: ...
+    @property
+    def unchecked_displacement(self) -> NDArray[np.float64]: ...
     @property
     def pixel_displacement(self) -> NDArray[np.float64]: ...
     @property
@@ -330,6 +343,16 @@ class Solution:
     def outside_cells(self) -> NDArray[np.int64]: ...
     @property
     def num_points(self) -> int: ...
+    @property
+    def noise(self) -> float: ...
+    @property
+    def cell_evidence(self) -> dict[str, NDArray[np.float64]]: ...
+    @property
+    def node_evidence(self) -> dict[str, NDArray[np.float64]]: ...
+    @property
+    def cell_flags(self) -> NDArray[np.uint8]: ...
+    @property
+    def node_flags(self) -> NDArray[np.uint8]: ...
 
 @final
 class SelfCalibration:

@@ -2,35 +2,43 @@
 
 import warnings
 import weakref
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic import _core
-from fedic._core import CORRELATION_OPTIONS, ImageFrame, Mesh
+from fedic._core import CORRELATION_OPTIONS, NODE_FLAGS, ImageFrame, Mesh
+from fedic._internal.masks import pixel_mask
 from fedic._internal.measurement import Measurement
 from fedic._internal.mesh_faults import warn_of_mesh_faults
 from fedic._internal.types import Camera, Floats, Image
 from fedic._internal.warning_level import levels_within_fedic
-from fedic.errors import CalibrationWarning, OptionError
+from fedic.errors import CalibrationWarning, ConvergenceWarning, OptionError, QualityWarning, SolveError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
-from fedic.results import Iteration, Result
+from fedic.results import Attempt, Iteration, Quality, Result
+from fedic.starts.automatic import measure_from_any_start
 from fedic.starts.fft import initial_translation
+from fedic.starts.periodicity import may_repeat, repeats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from fedic.options import CorrelationOptions
 
-__all__ = ["Correlator", "Initial", "Start", "correlate"]
+__all__ = ["Correlator", "Initial", "Mask", "Start", "correlate"]
 
-Start: TypeAlias = Literal["zero", "pyramid", "fft"]
-Initial: TypeAlias = Start | ArrayLike
+Start: TypeAlias = Literal["auto", "zero", "pyramid", "fft", "features", "log-polar", "flow"]
+Initial: TypeAlias = Start | ArrayLike | Result
+Mask: TypeAlias = ArrayLike | Sequence[ArrayLike]
+
+_SATURATED_SHARE = 0.01
+"""Share of saturated pixels from which on a warning is given."""
 
 
 @with_options(CORRELATION_OPTIONS)
@@ -46,11 +54,17 @@ class Correlator:
         The mesh, in the physical space.
     camera : ImageFrame, FrontParallel or Pinhole
         Projects the mesh to the image. `ImageFrame` is for a mesh drawn in pixels.
-    initial : {"zero", "pyramid", "fft"} or array_like of shape (n, 2), default "zero"
-        Initial displacement: ``"zero"``; ``"pyramid"``, that found on reduced images, coarse to fine; ``"fft"``, a
-        whole-pixel translation found by cross-correlation over the whole image, for large motions; or nodal
-        displacements in the mesh's unit. On a mesh of a thousand cells or more, all but ``"pyramid"`` are improved by a
-        smooth field fitted to a few hundred cells, if that lowers their residual.
+    initial : {"auto", "zero", "pyramid", "fft", "features", "log-polar", "flow"}, Result or array_like of shape (n, 2)
+        Initial displacement. ``"auto"``, the default, tries ``"zero"`` and then the others in this order, until the
+        verdict accepts the result of one; see docs/starts.md. ``"zero"``: none; ``"pyramid"``: that found on reduced
+        images, coarse to fine; ``"fft"``: a whole-pixel translation found by cross-correlation over the whole image;
+        ``"features"``: a motion of the whole mesh from matched key points, ``"log-polar"``: one with any rotation or
+        scale; ``"flow"``: dense optical flow. Or nodal displacements in the mesh's unit, or the result of an earlier
+        frame on the same mesh. On a mesh of a thousand cells or more, all but ``"pyramid"`` are improved by a smooth
+        field fitted to a few hundred cells, if that lowers their residual.
+    mask : array_like of shape (height, width), or list of polygons, optional
+        Pixels of the reference image that are left out: where an image is true or not zero, or inside polygons of shape
+        (k, 2), their corners ``(u, v)`` in pixels. Points within twice the smoothing of such a pixel carry no weight.
     progress : callable, optional
         Called with a `fedic.Progress` once the reference is prepared.
     {options}
@@ -73,16 +87,21 @@ class Correlator:
         mesh: Mesh,
         camera: Camera = ImageFrame(),
         *,
-        initial: Initial = "zero",
+        initial: Initial = "auto",
+        mask: Mask | None = None,
         progress: ProgressCallback | None = None,
         **options: "Unpack[CorrelationOptions]",
     ) -> None:
-        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "progress"))
+        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "mask", "progress"))
         self._reference = copy_if_writable(reference, "reference")
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)
-        self._core = _core.Correlator(self._reference, mesh, camera, progress=core_callback(progress), **arguments)
+        self._mask = pixel_mask(mask, self._reference.shape)
+        self._core = _core.Correlator(
+            self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
+        )
+        self._repeats: Floats | None = None
         self._options = arguments
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
         release_pages(self._reference)
@@ -103,15 +122,16 @@ class Correlator:
         ----------
         deformed : ndarray of uint8, uint16 or float32, shape (height, width)
             The image of the deformed specimen.
-        initial : {"zero", "pyramid", "fft"} or array_like of shape (n, 2), optional
-            Initial displacement of this frame; by default the one given to the constructor.
+        initial : str, Result or array_like of shape (n, 2), optional
+            Initial displacement of this frame, as for the constructor; by default the one given there. No earlier frame
+            is remembered: give its result.
         progress : callable, optional
             Called with a `fedic.Progress` after each iteration.
 
         Returns
         -------
         Result
-            The displacement and how it was reached. A measurement that did not converge has ``converged`` False.
+            The displacement, how it was reached, and the verdict on it.
 
         Raises
         ------
@@ -120,22 +140,22 @@ class Correlator:
         OptionError
             If the initial displacement is unknown or does not fit the mesh.
         SolveError
-            If the images do not determine the displacement of some node, or the iterations diverge.
+            If the images do not determine the displacement of some node, or the iterations diverge from every start.
+
+        Warns
+        -----
+        ConvergenceWarning
+            If the iterations did not converge.
+        QualityWarning
+            If the verdict on the result is that something is doubtful, or many pixels are saturated.
         """
         original, deformed = deformed, validate_deformed(self._reference, deformed)
         start = self._initial if initial is None else _checked_initial(initial, self._mesh)
-        if isinstance(start, str) and start == "fft":
-            start = initial_translation(self._reference, deformed, self._mesh, self._camera)
-        solution = self._core.correlate(
-            deformed,
-            initial=start if isinstance(start, np.ndarray) else None,
-            pyramid=isinstance(start, str) and start == "pyramid",
-            progress=core_callback(progress),
-        )
+        solution, name, attempts = self._solution(deformed, start, core_callback(progress))
         places = self._mesh.points.copy()
-        places[:, :2] += solution.displacement
+        places[:, :2] += np.nan_to_num(solution.displacement)
         _warn_of_extrapolation(self._camera, self._mesh, places, "have moved")
-        return Result(
+        result = Result(
             mesh=self._mesh,
             camera=self._camera,
             displacement=solution.displacement,
@@ -148,14 +168,63 @@ class Correlator:
             residual_rms=solution.residual_rms,
             cell_residuals=solution.cell_residuals,
             outside_cells=solution.outside_cells,
+            unchecked_displacement=solution.unchecked_displacement,
+            quality=self._quality(solution, deformed),
+            start=name,
+            attempts=tuple(attempts),
             _measurement=Measurement(
                 reference=self._kept_reference,
                 deformed=KeptImage.of(original, "deformed", path=file_of(original)),
                 mesh=self._mesh,
                 camera=self._camera,
+                mask=self._mask,
                 options=self._options,
                 correlator=weakref.ref(self._core),
             ),
+        )
+        _warn_of_quality(result)
+        return result
+
+    def _solution(
+        self, deformed: Image, start: Start | Floats, progress: Any
+    ) -> tuple["_core.Solution", str, list[Attempt]]:
+        """Return the solution from a start, the name of the start and the attempts of ``"auto"``."""
+        images = (self._reference, deformed)
+        if isinstance(start, np.ndarray):
+            return self._core.correlate(deformed, initial=start, progress=progress), "given", []
+        if start == "auto":
+            solution, attempts = measure_from_any_start(self._core, images, self._mesh, self._camera, progress)
+            return solution, attempts[-1].start, attempts
+        field = None
+        if start == "fft":
+            field = initial_translation(*images, self._mesh, self._camera)
+        elif start not in ("zero", "pyramid"):
+            field = _estimated(start, images, self._mesh, self._camera)
+        solution = self._core.correlate(deformed, initial=field, pyramid=start == "pyramid", progress=progress)
+        return solution, start, []
+
+    def _quality(self, solution: "_core.Solution", deformed: Image) -> Quality:
+        nodes = self._camera.project(self._mesh.points[self._mesh.used_nodes])
+        if self._repeats is None:
+            self._repeats = np.empty((0, 2))
+            if may_repeat(self._reference, nodes):
+                from fedic.starts.images import StartImages
+
+                self._repeats = repeats(StartImages.of(self._reference, self._reference, self._mesh, self._camera))
+        node_flags = solution.node_flags
+        if len(self._repeats):
+            node_flags |= np.uint8(1 << list(NODE_FLAGS).index("periodic"))
+        moved = nodes + np.nan_to_num(solution.pixel_displacement[self._mesh.used_nodes])
+        return Quality(
+            noise=solution.noise,
+            **solution.cell_evidence,
+            standard_deviation=solution.node_evidence["deviation"],
+            conditioning=solution.node_evidence["conditioning"],
+            repeats=self._repeats,
+            saturated_share=(_saturated_share(self._reference, nodes), _saturated_share(deformed, moved)),
+            converged=solution.converged,
+            cell_flags=solution.cell_flags,
+            node_flags=node_flags,
         )
 
     def residual_map(self, deformed: Image, displacement: ArrayLike) -> NDArray[np.float32]:
@@ -172,7 +241,7 @@ class Correlator:
         -------
         ndarray of float32, shape (height, width)
             ``f - g`` of the images as smoothed, after the brightness correction, in grey levels; NaN at pixels whose
-            centre lies outside the mesh.
+            centre lies outside the mesh or is masked.
         """
         return self._core.residual_map(validate_deformed(self._reference, deformed), displacement)
 
@@ -187,7 +256,8 @@ class Correlator:
         Returns
         -------
         ndarray of float64, shape (n, 2)
-            Standard deviation of each node's displacement, in the mesh's unit; NaN at nodes that no cell uses.
+            Standard deviation of each node's displacement, in the mesh's unit; NaN at nodes that no cell uses or all of
+            whose points are masked.
 
         Raises
         ------
@@ -235,7 +305,8 @@ def correlate(
     mesh: Mesh,
     camera: Camera = ImageFrame(),
     *,
-    initial: Initial = "zero",
+    initial: Initial = "auto",
+    mask: Mask | None = None,
     progress: ProgressCallback | None = None,
     **options: "Unpack[CorrelationOptions]",
 ) -> Result:
@@ -251,8 +322,10 @@ def correlate(
         The mesh, in the physical space.
     camera : ImageFrame, FrontParallel or Pinhole
         Projects the mesh to the image. `ImageFrame` is for a mesh drawn in pixels.
-    initial : {"zero", "pyramid", "fft"} or array_like of shape (n, 2), default "zero"
+    initial : {"auto", "zero", "pyramid", "fft", "features", "log-polar", "flow"}, Result or array_like of shape (n, 2)
         Initial displacement; see `Correlator`.
+    mask : array_like of shape (height, width), or list of polygons, optional
+        Pixels of the reference image that are left out; see `Correlator`.
     progress : callable, optional
         See `Correlator.correlate`.
     {options}
@@ -260,15 +333,71 @@ def correlate(
     Returns
     -------
     Result
-        The displacement and how it was reached.
+        The displacement, how it was reached, and the verdict on it.
 
     Raises
     ------
     OptionError, ImageError, MeshError, SolveError
         As `Correlator` and `Correlator.correlate`.
+
+    Warns
+    -----
+    ConvergenceWarning, QualityWarning
+        As `Correlator.correlate`.
     """
-    correlator = Correlator(reference, mesh, camera, initial=initial, progress=progress, **options)
+    correlator = Correlator(reference, mesh, camera, initial=initial, mask=mask, progress=progress, **options)
     return correlator.correlate(deformed, progress=progress)
+
+
+def _estimated(start: Start, images: tuple[Image, Image], mesh: Mesh, camera: Camera) -> Floats:
+    """Return the nodal displacement that an estimator finds."""
+    from fedic.starts.candidate import nodal_displacement
+    from fedic.starts.estimators import ESTIMATORS
+    from fedic.starts.flow import dense_flow
+    from fedic.starts.images import StartImages
+
+    prepared = StartImages.of(*images, mesh, camera)
+    found = dense_flow(prepared) if start == "flow" else ESTIMATORS[start](prepared)
+    if not found:
+        raise SolveError(
+            f"initial={start!r} finds no motion that makes the images agree; check that both show the same specimen, "
+            "or give an initial displacement per node"
+        )
+    return nodal_displacement(found[0].displacement, mesh, camera)
+
+
+def _saturated_share(image: Image, pixels: Floats) -> float:
+    """Return the share of saturated pixels in the box around some image points."""
+    known = pixels[np.isfinite(pixels).all(axis=1)]
+    if not len(known):
+        return 0.0
+    limit = max(image.shape)
+    low, high = (np.clip(bound, 0, limit) for bound in (np.floor(known.min(axis=0)), np.ceil(known.max(axis=0)) + 1))
+    return _core.saturated_share(image, (int(low[0]), int(low[1])), (int(high[0]), int(high[1])))
+
+
+def _warn_of_quality(result: Result) -> None:
+    quality = result.quality
+    if not quality.is_good:
+        reasons = "; ".join(quality.reasons())
+        if result.converged:
+            warnings.warn(f"the result is doubtful: {reasons}", QualityWarning, stacklevel=levels_within_fedic())
+        else:
+            tried = f" Starts tried: {'; '.join(map(str, result.attempts))}." if result.attempts else ""
+            warnings.warn(
+                f"{reasons}. The largest error left is about {result.error_left:.2g} px.{tried} Check that both images "
+                "show the same specimen, or give an initial displacement per node.",
+                ConvergenceWarning,
+                stacklevel=levels_within_fedic(),
+            )
+    for image, share in zip(("reference", "deformed"), quality.saturated_share, strict=True):
+        if share >= _SATURATED_SHARE:
+            warnings.warn(
+                f"{share:.1%} of the pixels of the {image} image around the mesh are saturated; their texture is lost: "
+                "shorten the exposure",
+                QualityWarning,
+                stacklevel=levels_within_fedic(),
+            )
 
 
 def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str) -> None:
@@ -284,11 +413,22 @@ def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str
 
 def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:
     names = get_args(Start)
+    if isinstance(initial, Result):
+        if initial.mesh.num_nodes != mesh.num_nodes:
+            raise OptionError(
+                f"initial is a result on a mesh of {initial.mesh.num_nodes} nodes; this one has {mesh.num_nodes}",
+                "initial",
+            )
+        return np.nan_to_num(initial.unchecked_displacement)
+    if isinstance(initial, str) and initial == "previous":
+        raise OptionError("a correlator remembers no earlier frame: give its result as initial", "initial")
     if isinstance(initial, str) and initial in names:
         return initial  # type: ignore[return-value]
     if isinstance(initial, str) or initial is None:
         choices = ", ".join(f'"{name}"' for name in names)
-        raise OptionError(f"initial must be {choices} or an array of nodal displacements, got {initial!r}", "initial")
+        raise OptionError(
+            f"initial must be {choices}, an array of nodal displacements or a result, got {initial!r}", "initial"
+        )
     try:
         start = np.array(initial, dtype=np.float64)
     except (TypeError, ValueError) as error:

@@ -10,6 +10,7 @@ __all__ = [
     "CalibrationWarning",
     "CameraError",
     "ConfigError",
+    "ConvergenceWarning",
     "FedicError",
     "ImageError",
     "MeshError",
@@ -83,6 +84,10 @@ class OptionError(FedicError, ValueError):
 
 class CalibrationWarning(UserWarning):
     """Points lie outside the domain in which a lens was calibrated, where it is extrapolated."""
+
+
+class ConvergenceWarning(UserWarning):
+    """The iterations of a measurement ended before the displacement had come to rest; the message says what to try."""
 
 
 class QualityWarning(UserWarning):

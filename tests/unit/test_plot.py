@@ -29,6 +29,9 @@ def linear_result(cell: str) -> fedic.Result:
         residual_rms=1.0,
         cell_residuals=np.ones(mesh.num_cells),
         outside_cells=np.empty(0, dtype=np.int64),
+        unchecked_displacement=displacement,
+        quality=fedic.Quality.unknown(mesh, converged=True),
+        start="given",
     )
 
 

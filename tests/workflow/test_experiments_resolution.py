@@ -112,6 +112,9 @@ def test_reconstruction_preserves_polynomials_of_its_degree(space: Space, power:
         0.0,
         blank,
         blank.astype(int),
+        true(mesh.points),
+        fedic.Quality.unknown(mesh, converged=True),
+        "given",
     )
     field, reach = reconstruct(result, size, space)
     assert reach == 64.0

@@ -16,6 +16,12 @@ pub const MIN_SIZE: usize = 4;
 /// Largest number of pixels of an image: with its margins, they are indexed by 32 bits.
 pub const MAX_PIXELS: usize = 1 << 30;
 
+/// Full scales of floating-point images.
+const FULL_SCALES: [f32; 6] = [1.0, 255.0, 1023.0, 4095.0, 16383.0, 65535.0];
+
+/// Number of pixels at the full scale from which on they count as saturated.
+const MIN_SATURATED: usize = 9;
+
 /// Grey levels per task in the search for values that are not finite.
 const CHECK_CHUNK: usize = 1 << 16;
 
@@ -109,6 +115,52 @@ impl<'a> ImageView<'a> {
         self.height
     }
 
+    /// Full scale of the grey levels, if more than a few pixels reach it: they may be saturated.
+    ///
+    /// 255 of 8 bits; of 16 bits the largest grey level if it is the largest of a number of 8 bits or more, in the low or in the high bits;
+    /// of floating-point numbers the largest if it is 1, or the largest of 8, 10, 12, 14 or 16 bits.
+    #[must_use]
+    pub fn full_scale(&self) -> Option<f32> {
+        let (full, count) = match self.pixels {
+            Pixels::U8(data) => (255.0, data.par_chunks(CHECK_CHUNK).map(|part| count_equal(part, 255)).sum()),
+            Pixels::U16(data) => {
+                let largest = data.par_chunks(CHECK_CHUNK).map(|part| part.iter().copied().max().unwrap_or(0)).max()?;
+                let (low, high) = (u32::from(largest) + 1, (1_u32 << 16) - u32::from(largest));
+                let is_full =
+                    largest >= 255 && (low.is_power_of_two() || (largest > 1 << 15 && high.is_power_of_two()));
+                let count = || data.par_chunks(CHECK_CHUNK).map(|part| count_equal(part, largest)).sum();
+                (f32::from(largest), if is_full { count() } else { 0 })
+            }
+            Pixels::F32(data) => {
+                let of_part = |part: &[f32]| part.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                let largest = data.par_chunks(CHECK_CHUNK).map(of_part).reduce(|| f32::NEG_INFINITY, f32::max);
+                let count = || data.par_chunks(CHECK_CHUNK).map(|part| count_equal(part, largest)).sum();
+                (largest, if FULL_SCALES.contains(&largest) { count() } else { 0 })
+            }
+        };
+        (count >= MIN_SATURATED).then_some(full)
+    }
+
+    /// Share of the pixels at the [full scale](Self::full_scale) in a rectangle from the pixel `low` to before the pixel `high`.
+    #[must_use]
+    pub fn saturated_share(&self, low: [usize; 2], high: [usize; 2]) -> f64 {
+        let Some(full) = self.full_scale() else { return 0.0 };
+        let (columns, rows) = (low[0]..high[0].min(self.width), low[1]..high[1].min(self.height));
+        if columns.is_empty() || rows.is_empty() {
+            return 0.0;
+        }
+        let pixels = columns.len() * rows.len();
+        let of_row = |v: usize| {
+            let part = v * self.width + columns.start..v * self.width + columns.end;
+            match self.pixels {
+                Pixels::U8(data) => count_equal(&data[part], full as u8),
+                Pixels::U16(data) => count_equal(&data[part], full as u16),
+                Pixels::F32(data) => count_equal(&data[part], full),
+            }
+        };
+        rows.into_par_iter().map(of_row).sum::<usize>() as f64 / pixels as f64
+    }
+
     /// Converts row `v` into `out`, of length [`width`](Self::width).
     ///
     /// # Panics
@@ -181,6 +233,11 @@ fn convert<T: Copy + Into<f32>>(source: &[T], out: &mut [f32]) {
     }
 }
 
+/// Number of entries that equal `value`.
+fn count_equal<T: PartialEq + Copy>(data: &[T], value: T) -> usize {
+    data.iter().filter(|&&entry| entry == value).count()
+}
+
 fn first_non_finite(data: &[f32]) -> Option<usize> {
     data.par_chunks(CHECK_CHUNK).enumerate().find_map_first(|(chunk, values)| {
         values.iter().position(|grey| !grey.is_finite()).map(|index| chunk * CHECK_CHUNK + index)
@@ -208,6 +265,34 @@ fn sum(row: &[f32], term: impl Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn full_scale_is_reached_by_more_than_a_few_pixels() {
+        let with = |saturated: usize| (0..100).map(|k| if k < saturated { 255 } else { 7 }).collect::<Vec<u8>>();
+        let full = |data: &[u8]| ImageView::new(10, 10, Pixels::U8(data)).unwrap().full_scale();
+        assert_eq!([full(&with(MIN_SATURATED - 1)), full(&with(MIN_SATURATED))], [None, Some(255.0)]);
+        for (largest, expected) in
+            [(1023, true), (4095, true), (65_520, true), (65_535, true), (1000, false), (63, false)]
+        {
+            let data: Vec<u16> = (0..100).map(|k| if k < 50 { largest } else { 3 }).collect();
+            let found = ImageView::new(10, 10, Pixels::U16(&data)).unwrap().full_scale();
+            assert_eq!(found, expected.then_some(f32::from(largest)), "{largest}");
+        }
+        for (largest, expected) in [(1.0, true), (255.0, true), (254.9, false)] {
+            let data: Vec<f32> = (0..100).map(|k| if k < 50 { largest } else { 0.5 }).collect();
+            assert_eq!(ImageView::new(10, 10, Pixels::F32(&data)).unwrap().full_scale().is_some(), expected);
+        }
+    }
+
+    #[test]
+    fn saturated_share_counts_a_rectangle() {
+        let data: Vec<u8> = (0..100).map(|k| if k < 30 { 255 } else { 7 }).collect();
+        let view = ImageView::new(10, 10, Pixels::U8(&data)).unwrap();
+        assert_eq!(view.saturated_share([0, 0], [10, 10]), 0.3);
+        assert_eq!(view.saturated_share([2, 2], [4, 4]), 0.5);
+        assert_eq!(view.saturated_share([5, 5], [99, 99]), 0.0);
+        assert_eq!(view.saturated_share([12, 0], [14, 3]), 0.0);
+    }
 
     #[test]
     fn the_first_non_finite_value_is_found_across_chunks() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fedic::{Iteration, Start};
-use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -26,12 +26,13 @@ pub(crate) struct Correlator {
 #[pymethods]
 impl Correlator {
     #[new]
-    #[pyo3(signature = (reference, mesh, camera, *, progress=None, **options))]
+    #[pyo3(signature = (reference, mesh, camera, *, mask=None, progress=None, **options))]
     fn new(
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
         mesh: &Bound<'_, PyAny>,
         camera: &Bound<'_, PyAny>,
+        mask: Option<PyReadonlyArray2<'_, bool>>,
         progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
@@ -39,8 +40,10 @@ impl Correlator {
         let camera = any_camera(camera)?;
         let options = correlation_options(options)?;
         let reference = Arc::new(ReferenceImage::new(reference)?);
-        let inner =
-            run(py, progress, move |monitor| fedic::Correlator::new_with(reference, mesh, camera, options, monitor))?;
+        let mask: Option<Vec<bool>> = mask.map(|mask| mask.as_array().iter().copied().collect());
+        let inner = run(py, progress, move |monitor| {
+            fedic::Correlator::new_with(reference, mesh, camera, options, mask.as_deref(), monitor)
+        })?;
         Ok(Self { inner })
     }
 
@@ -50,14 +53,16 @@ impl Correlator {
         self.inner.num_points()
     }
 
-    /// Measures one deformed image; see `fedic.Correlator.correlate`.
-    #[pyo3(signature = (deformed, *, initial=None, pyramid=false, progress=None))]
+    /// Measures one deformed image; see `fedic.Correlator.correlate`. At most `max_iterations` iterations are made, fewer than the
+    /// option of this name if given. With an initial displacement and `pyramid` the reduced images start from it.
+    #[pyo3(signature = (deformed, *, initial=None, pyramid=false, max_iterations=None, progress=None))]
     fn correlate(
         &self,
         py: Python<'_>,
         deformed: &Bound<'_, PyAny>,
         initial: Option<&Bound<'_, PyAny>>,
         pyramid: bool,
+        max_iterations: Option<usize>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
@@ -65,11 +70,14 @@ impl Correlator {
         let field = initial.map(|field| rows::<2>(field, "initial", argument_error)).transpose()?;
         run(py, progress, move |monitor| {
             let start = match &field {
+                Some(field) if pyramid => Start::PyramidFrom(field),
                 Some(field) => Start::Field(field),
                 None if pyramid => Start::Pyramid,
                 None => Start::Zero,
             };
-            self.inner.correlate_with(view, start, monitor).map(Solution)
+            let limit = self.inner.options().max_iterations;
+            let max_iterations = max_iterations.map_or(limit, |given| given.min(limit));
+            self.inner.attempt(view, start, max_iterations, monitor).map(Solution)
         })
     }
 
@@ -121,13 +129,19 @@ pub(crate) struct Solution(fedic::Solution);
 
 #[pymethods]
 impl Solution {
-    /// Displacement of each node, (n, 2) float64, in the mesh's unit; NaN at nodes that no cell uses.
+    /// Displacement of each node, (n, 2) float64, in the mesh's unit; NaN at nodes that were not measured.
     #[getter]
     fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         to_array(py, &self.0.displacement)
     }
 
-    /// Displacement of each node in the image, (n, 2) float64, in pixels.
+    /// Displacement as the iterations left it, (n, 2) float64, in the mesh's unit; NaN at nodes that no cell uses.
+    #[getter]
+    fn unchecked_displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.0.unchecked_displacement)
+    }
+
+    /// Displacement of each node in the image, (n, 2) float64, in pixels; NaN at nodes that were not measured.
     #[getter]
     fn pixel_displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         to_array(py, &self.0.pixel_displacement)
@@ -170,7 +184,7 @@ impl Solution {
         PyArray1::from_slice(py, &self.0.cell_residuals)
     }
 
-    /// Cells of which some points left the deformed image, int64.
+    /// Cells of which some points left the deformed image or are saturated in it, int64.
     #[getter]
     fn outside_cells<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         PyArray1::from_iter(py, self.0.outside_cells.iter().map(|&cell| cell as i64))
@@ -181,4 +195,82 @@ impl Solution {
     fn num_points(&self) -> usize {
         self.0.num_points
     }
+
+    /// Standard deviation of the noise of one image, in grey levels: as given, or estimated.
+    #[getter]
+    fn noise(&self) -> f64 {
+        self.0.quality.noise
+    }
+
+    /// Evidence of the cells, float64 of shape (num_cells,): ``used_share``, ``correlation``, ``normalized_residual``, ``misfit``.
+    #[getter]
+    fn cell_evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let quality = &self.0.quality;
+        let rows = [
+            ("used_share", &quality.used_share),
+            ("correlation", &quality.correlation),
+            ("normalized_residual", &quality.normalized_residual),
+            ("misfit", &quality.misfit),
+        ];
+        named_rows(py, &rows)
+    }
+
+    /// Evidence of the nodes, float64 of shape (n,): ``deviation``, ``conditioning``.
+    #[getter]
+    fn node_evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let quality = &self.0.quality;
+        named_rows(py, &[("deviation", &quality.deviation), ("conditioning", &quality.conditioning)])
+    }
+
+    /// Bits of `CELL_FLAGS` of each cell, uint8.
+    #[getter]
+    fn cell_flags<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        PyArray1::from_slice(py, &self.0.quality.cell_flags)
+    }
+
+    /// Bits of `NODE_FLAGS` of each node, uint8.
+    #[getter]
+    fn node_flags<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        PyArray1::from_slice(py, &self.0.quality.node_flags)
+    }
+}
+
+fn named_rows<'py>(py: Python<'py>, rows: &[(&str, &Vec<f64>)]) -> PyResult<Bound<'py, PyDict>> {
+    let named = PyDict::new(py);
+    rows.iter().try_for_each(|(name, row)| named.set_item(name, PyArray1::from_slice(py, row)))?;
+    Ok(named)
+}
+
+/// Share of the pixels at the full scale of an image in a rectangle of it.
+///
+/// Parameters
+/// ----------
+/// image : (h, w) array of uint8, uint16 or float32
+/// low, high : (int, int)
+///     First pixel ``(u, v)`` of the rectangle, and the one past the last; they are limited to the image.
+///
+/// Returns
+/// -------
+/// float
+///     From 0 to 1; 0 if fewer than nine pixels of the image are at its full scale.
+#[pyfunction]
+pub(crate) fn saturated_share(image: &Bound<'_, PyAny>, low: [usize; 2], high: [usize; 2]) -> PyResult<f64> {
+    let grey = GreyArray::borrow(image, "image")?;
+    Ok(grey.view("image")?.saturated_share(low, high))
+}
+
+/// Flags of cells and nodes, `{name: reason}` in the order of their bits, and the thresholds of the verdict.
+pub(crate) fn add_quality_constants(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let (cells, nodes) = (PyDict::new(module.py()), PyDict::new(module.py()));
+    fedic::CellFlag::ALL.iter().try_for_each(|flag| cells.set_item(flag.name(), flag.reason()))?;
+    fedic::NodeFlag::ALL.iter().try_for_each(|flag| nodes.set_item(flag.name(), flag.reason()))?;
+    module.add("CELL_FLAGS", cells)?;
+    module.add("NODE_FLAGS", nodes)?;
+    let thresholds = PyDict::new(module.py());
+    thresholds.set_item("correlation", fedic::MIN_CORRELATION)?;
+    thresholds.set_item("node_error", fedic::NODE_ERROR)?;
+    thresholds.set_item("significance", fedic::SIGNIFICANCE)?;
+    thresholds.set_item("deviation", fedic::MAX_DEVIATION)?;
+    thresholds.set_item("light", fedic::MAX_LIGHT)?;
+    module.add("QUALITY_THRESHOLDS", thresholds)
 }

@@ -126,6 +126,7 @@ impl IntoPyErr for Error {
             Self::SelfCalibration(error) => error.into_py_err(),
             Self::MeshOutsideImage { cells, .. } => python::MeshError::new_err((message, cells)),
             Self::SizeMismatch { .. } | Self::Flat { .. } | Self::ReferenceUnavailable { .. } => image_error(message),
+            Self::MaskSize { .. } | Self::NoUsablePoints => option_error(message, "mask"),
             Self::Cancelled => PyKeyboardInterrupt::new_err(message),
             _ => internal_error(message),
         }

@@ -28,6 +28,8 @@ mod _core {
     #[pymodule_export]
     use crate::cell_type::CellType;
     #[pymodule_export]
+    use crate::correlator::saturated_share;
+    #[pymodule_export]
     use crate::correlator::{Correlator, Solution};
     #[pymodule_export]
     use crate::image::interpolate_image;
@@ -53,6 +55,7 @@ mod _core {
         module.add("INTERPOLATIONS", PyTuple::new(module.py(), fedic::Interpolation::NAMES)?)?;
         module.add("STRAIN_MEASURES", PyTuple::new(module.py(), fedic::StrainMeasure::NAMES)?)?;
         crate::lens::register(module)?;
+        crate::correlator::add_quality_constants(module)?;
         crate::options::add_tables(module)
     }
 }

@@ -46,6 +46,24 @@ impl SymmetricMatrix {
         }
     }
 
+    /// Entries of a node on the diagonal.
+    ///
+    /// # Panics
+    ///
+    /// If the pattern has no such node.
+    pub fn node_diagonal(&self, pattern: &Pattern, node: usize) -> impl Iterator<Item = f64> {
+        (0..pattern.block()).map(move |j| self.values[pattern.column_start(node, j)])
+    }
+
+    /// Adds a number to the entries of a node on the diagonal.
+    ///
+    /// # Panics
+    ///
+    /// If the pattern has no such node.
+    pub fn add_to_node_diagonal(&mut self, pattern: &Pattern, node: usize, number: f64) {
+        (0..pattern.block()).for_each(|j| self.values[pattern.column_start(node, j)] += number);
+    }
+
     /// Adds `factor` times another matrix of the same pattern.
     ///
     /// # Panics

@@ -15,11 +15,14 @@ use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::image_source::view_of;
 use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::ObservationSettings;
+use crate::observation::pixel_mask::PixelMask;
 use crate::parallel::thread_pool;
 use crate::projection::projected_points::pixel_displacement;
 use crate::results::covariance;
+use crate::results::flags::NodeFlag;
 use crate::results::residual_map::{ImagePair, residual_map};
 use crate::results::solution::Iteration;
+use crate::results::verdict::Judged;
 use crate::solve::basis::nodal::NodalBasis;
 use crate::solve::gauss_newton::{GaussNewton, residual_rms};
 use crate::solve::level::{Level, LevelSettings, Smoothing};
@@ -43,8 +46,10 @@ pub enum Start<'a> {
     /// No displacement.
     #[default]
     Zero,
-    /// The displacement found on reduced images. Converges from further away.
+    /// The displacement found on reduced images, from no displacement on. Converges from further away.
     Pyramid,
+    /// The displacement found on reduced images, from a displacement per node of the mesh on.
+    PyramidFrom(&'a [[f64; PLANE]]),
     /// A displacement per node of the mesh, in the mesh's unit. Nodes of no cell may have any value.
     Field(&'a [[f64; PLANE]]),
 }
@@ -59,6 +64,8 @@ pub struct Correlator {
     options: Options,
     /// Columns and rows of the images.
     size: [usize; 2],
+    /// Pixels of the reference image that are left out.
+    mask: Option<Arc<PixelMask>>,
     level: Level<PLANE>,
     laplacian: OnceLock<Arc<Laplacian>>,
     pyramid: OnceLock<Pyramid<PLANE>>,
@@ -92,25 +99,36 @@ impl Correlator {
         camera: Arc<dyn Camera>,
         options: Options,
     ) -> Result<Self, Error> {
-        Self::new_with(reference, mesh, camera, options, &())
+        Self::new_with(reference, mesh, camera, options, None, &())
     }
 
-    /// Does what [`new`](Self::new) does, watched by a monitor.
+    /// Does what [`new`](Self::new) does, watched by a monitor, and leaves out the pixels where `mask` is true. It has one entry for
+    /// each pixel of the reference image, row after row. Points within two standard deviations of the smoothing of a masked pixel
+    /// are left out as well.
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new); [`Error::Cancelled`] if `monitor` asks to stop.
+    /// Those of [`new`](Self::new); [`Error::MaskSize`]; [`Error::NoUsablePoints`] if the mask leaves no cell;
+    /// [`Error::Cancelled`] if `monitor` asks to stop.
     pub fn new_with(
         reference: Arc<dyn ImageSource>,
         mesh: &Mesh,
         camera: Arc<dyn Camera>,
         options: Options,
+        mask: Option<&[bool]>,
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         options.check()?;
         let pool = options.num_threads.map(thread_pool).transpose()?;
         let prepare = |view: ImageView<'_>| {
             let size = [view.width(), view.height()];
+            if let Some(mask) = mask
+                && mask.len() != size[0] * size[1]
+            {
+                return Err(Error::MaskSize { expected: size, found: mask.len() });
+            }
+            let reach = (2.0 * options.smoothing).ceil() as usize;
+            let mask = mask.map(|mask| Arc::new(PixelMask::new(size[0], mask.to_vec()).dilated(reach)));
             // The order of the unknowns is computed serially: the image is prepared at the same time.
             let (dofs, sampler) = rayon::join(
                 || if options.regularization_length.is_some() { Dofs::with_patches(mesh) } else { Dofs::new(mesh) },
@@ -120,7 +138,13 @@ impl Correlator {
             let curvature = |length| Curvature::new(&dofs, camera.as_ref(), length, monitor);
             let smoothing = options.regularization_length.map(curvature).transpose()?.map(Smoothing::Curvature);
             let settings = LevelSettings {
-                observation: ObservationSettings { quadrature: options.quadrature, size, require_full_coverage: true },
+                observation: ObservationSettings {
+                    quadrature: options.quadrature,
+                    size,
+                    require_full_coverage: true,
+                    mask: mask.clone(),
+                    full_scale: view.full_scale(),
+                },
                 // A penalty makes the system ill-conditioned whatever its pivots are.
                 compact: smoothing.is_none() && dofs.pattern.num_dofs() >= COMPACT_DOFS,
                 smoothing,
@@ -128,16 +152,16 @@ impl Correlator {
                     .then(|| MaterialFilter::new(options.smoothing, Arc::clone(&reference))),
             };
             let level = Level::new(&dofs, Arc::clone(&camera), sampler, settings, monitor)?;
-            Ok::<_, Error>((dofs, level, size))
+            Ok::<_, Error>((dofs, level, size, mask))
         };
-        let (dofs, level, size) = view_of(reference.as_ref(), |view| match &pool {
+        let (dofs, level, size, mask) = view_of(reference.as_ref(), |view| match &pool {
             Some(pool) => pool.install(|| prepare(view)),
             None => prepare(view),
         })??;
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
         let (laplacian, pyramid, last) = (OnceLock::new(), OnceLock::new(), Mutex::default());
-        Ok(Self { dofs, reference, camera, options, size, level, laplacian, pyramid, last, pool })
+        Ok(Self { dofs, reference, camera, options, size, mask, level, laplacian, pyramid, last, pool })
     }
 
     /// Options of this correlator.
@@ -197,12 +221,28 @@ impl Correlator {
         start: Start<'_>,
         monitor: &dyn Monitor,
     ) -> Result<Solution, Error> {
+        self.attempt(deformed, start, self.options.max_iterations, monitor)
+    }
+
+    /// Does what [`correlate_with`](Self::correlate_with) does with another largest number of iterations: an attempt from a start
+    /// that may be wrong is given up after a few.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`correlate_with`](Self::correlate_with).
+    pub fn attempt(
+        &self,
+        deformed: ImageView<'_>,
+        start: Start<'_>,
+        max_iterations: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<Solution, Error> {
         self.check_size(deformed)?;
-        self.in_pool(|| self.solve(deformed, start, monitor))
+        self.in_pool(|| self.solve(deformed, start, max_iterations, monitor))
     }
 
     /// Residual `f - g~`, in grey levels, at the pixels of the reference image, row after row; NaN at pixels whose centre lies
-    /// outside the mesh or leaves the deformed image. `displacement` has one entry per node of the mesh.
+    /// outside the mesh, is masked, or leaves the deformed image. `displacement` has one entry per node of the mesh.
     ///
     /// # Errors
     ///
@@ -235,7 +275,11 @@ impl Correlator {
             term.evaluate(&displacement, &basis, monitor)?;
             let gain_offset = term.gain_offset();
             let images = ImagePair { reference: &reference, deformed: &deformed, brightness, gain_offset };
-            residual_map(&self.dofs, observation, &images, &displacement, monitor)
+            let mut residuals = residual_map(&self.dofs, observation, &images, &displacement, monitor)?;
+            if let Some(mask) = &self.mask {
+                mask.indices().for_each(|pixel| residuals[pixel] = f32::NAN);
+            }
+            Ok(residuals)
         };
         view_of(self.reference.as_ref(), |reference| self.in_pool(|| map(reference)))?
     }
@@ -274,53 +318,92 @@ impl Correlator {
     pub fn standard_deviations_with(&self, noise: f64, monitor: &dyn Monitor) -> Result<Vec<[f64; PLANE]>, Error> {
         let predict = |reference: ImageView<'_>| {
             let prepared = (&self.level.observation, &self.level.factor);
-            let deviations =
+            let mut deviations =
                 covariance::standard_deviations(&self.dofs, prepared, reference, &self.options, noise, monitor)?;
+            let blocks = &self.level.observation.node_blocks;
+            let without_points = |block: &[[f64; PLANE]; PLANE]| (0..PLANE).all(|c| block[c][c] == 0.0);
+            for (deviation, _) in deviations.iter_mut().zip(blocks).filter(|(_, block)| without_points(block)) {
+                *deviation = [f64::NAN; PLANE];
+            }
             Ok(self.dofs.extend(&deviations))
         };
         view_of(self.reference.as_ref(), |reference| self.in_pool(|| predict(reference)))?
     }
 
-    fn solve(&self, deformed: ImageView<'_>, start: Start<'_>, monitor: &dyn Monitor) -> Result<Solution, Error> {
+    fn solve(
+        &self,
+        deformed: ImageView<'_>,
+        start: Start<'_>,
+        max_iterations: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<Solution, Error> {
         let brightness = self.options.brightness;
         let mut history = Vec::new();
         let field = match start {
             Start::Zero => vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()],
             Start::Field(field) => self.dofs.restrict(field)?,
-            Start::Pyramid => self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, &mut history, monitor)?,
+            Start::Pyramid | Start::PyramidFrom(_) => {
+                let field = match start {
+                    Start::PyramidFrom(field) => self.dofs.restrict(field)?,
+                    _ => vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()],
+                };
+                self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, field, &mut history, monitor)?
+            }
         };
         let interpolator = self.prepare(deformed)?;
         let field = match start {
-            Start::Pyramid => field,
+            Start::Pyramid | Start::PyramidFrom(_) => field,
             _ => smooth_start(&self.dofs, &self.level, &interpolator, brightness, field, monitor)?,
         };
         let iterations = GaussNewton {
             level: 0,
             hessian: self.options.hessian,
             tolerance: self.options.tolerance,
-            max_iterations: self.options.max_iterations,
+            max_iterations,
             max_increment: self.size[0].max(self.size[1]) as f64,
         };
-        let image = (&interpolator, brightness);
-        let mut outcome = self.level.solve(&self.dofs, image, &iterations, field, &mut history, monitor)?;
+        let image = (&interpolator, brightness, deformed.full_scale());
+        let mut solution = self.level.solve(&self.dofs, image, &iterations, field, &mut history, monitor)?;
         if self.size[0] * self.size[1] <= MAX_KEPT_PIXELS {
             *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
         }
-        let residual_rms = residual_rms(&outcome.reports);
+        let residual_rms = residual_rms(&solution.outcome.reports);
         // The first term is that of the image.
-        let report = std::mem::take(&mut outcome.reports).into_iter().next().unwrap_or_default();
-        let pixels = pixel_displacement(&self.dofs.mesh, self.camera.as_ref(), &outcome.displacement);
+        let report = std::mem::take(&mut solution.outcome.reports).into_iter().next().unwrap_or_default();
+        let mut quality = Judged {
+            mesh: &self.dofs.mesh,
+            level: &self.level,
+            solution: &solution,
+            cells: &report.cells,
+            smoothing: self.options.smoothing,
+            noise: self.options.noise,
+        }
+        .quality();
+        let outcome = solution.outcome;
+        let measured = |node: usize| quality.node_flags[node] & NodeFlag::NotMeasured.bit() == 0;
+        let mut displacement = outcome.displacement.clone();
+        let mut pixels = pixel_displacement(&self.dofs.mesh, self.camera.as_ref(), &displacement);
+        for node in (0..displacement.len()).filter(|&node| !measured(node)) {
+            displacement[node] = [f64::NAN; PLANE];
+            pixels[node] = [f64::NAN; 2];
+        }
+        quality.node_flags = self.dofs.extend_by(&quality.node_flags, NodeFlag::NotMeasured.bit());
+        quality.deviation = self.dofs.extend_by(&quality.deviation, f64::NAN);
+        quality.conditioning = self.dofs.extend_by(&quality.conditioning, f64::NAN);
+        let cells = || report.cells.iter().enumerate();
         Ok(Solution {
-            displacement: self.dofs.extend(&outcome.displacement),
+            displacement: self.dofs.extend(&displacement),
+            unchecked_displacement: self.dofs.extend(&outcome.displacement),
             pixel_displacement: self.dofs.extend(&pixels),
             converged: outcome.converged,
             error_left: outcome.error_left,
             iterations: history.iter().filter(|iteration: &&Iteration| iteration.level == 0).count(),
             history,
             residual_rms,
-            cell_residuals: report.cell_residuals,
-            outside_cells: report.outside_cells,
+            cell_residuals: cells().map(|(_, cell)| cell.residual).collect(),
+            outside_cells: cells().filter(|(_, cell)| cell.is_partial).map(|(index, _)| index).collect(),
             num_points: self.num_points(),
+            quality,
         })
     }
 
@@ -354,7 +437,7 @@ impl Correlator {
 
     fn pyramid_of(&self, reduced: &Image, monitor: &dyn Monitor) -> Result<Pyramid<PLANE>, Error> {
         let laplacian = self.laplacian.get_or_init(|| Arc::new(Laplacian::new(&self.dofs)));
-        Pyramid::new(&self.dofs, &self.camera, reduced, laplacian, monitor)
+        Pyramid::new(&self.dofs, &self.camera, reduced, laplacian, self.mask.as_deref(), monitor)
     }
 
     fn check_size(&self, deformed: ImageView<'_>) -> Result<(), Error> {

@@ -78,6 +78,8 @@ pub use options::{
     Brightness, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue, Options, Quadrature,
     Range,
 };
+pub use results::flags::{CellFlag, NodeFlag};
+pub use results::quality::{MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE};
 pub use results::solution::{Iteration, Solution};
 pub use self_calibration::calibrate::{calibrate_on_specimen, calibrate_on_specimen_with};
 pub use self_calibration::motion::{MotionKind, RIGID};

@@ -28,6 +28,8 @@ class Measurement:
         The mesh.
     camera : ImageFrame, FrontParallel or Pinhole
         The camera.
+    mask : ndarray of bool, or None
+        Pixels of the reference image that are left out.
     options : mapping
         Keyword arguments of the core's correlator.
     correlator : weakref to Correlator, or None
@@ -38,6 +40,7 @@ class Measurement:
     deformed: KeptImage
     mesh: Mesh
     camera: Camera
+    mask: NDArray[np.bool_] | None
     options: Mapping[str, Any]
     correlator: "weakref.ref[_core.Correlator] | None" = field(default=None, repr=False)
 
@@ -53,7 +56,7 @@ class Measurement:
     def _prepared(self) -> _core.Correlator:
         correlator = None if self.correlator is None else self.correlator()
         if correlator is None:
-            correlator = _core.Correlator(self.reference.read(), self.mesh, self.camera, **self.options)
+            correlator = _core.Correlator(self.reference.read(), self.mesh, self.camera, mask=self.mask, **self.options)
         return correlator
 
     def __getstate__(self) -> dict[str, Any]:

@@ -47,6 +47,11 @@ class CorrelationOptions(TypedDict, total=False):
     """The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from
     the last correction and its ratio to the one before. Default: 0.001.
     """
+    noise: float | None
+    """Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: that of a
+    static pair divided by the square root of two. The verdict on the result is relative to it. By default it is
+    estimated from the residual of the measurement, in the cells whose images correlate. Default: None.
+    """
     max_iterations: int
     """Largest number of iterations on the images at full resolution. Default: 50."""
     num_threads: int | None

@@ -36,7 +36,7 @@ def _fields() -> dict[str, tuple[Any, Any]]:
         fields[info.name] = _field(info)
         if info.kind == "quadrature":
             fields["density"] = _numbers(info), MeshQuadrature().density
-    return fields | {"initial": (Literal[get_args(Start)], "zero")}
+    return fields | {"initial": (Literal[get_args(Start)], "auto")}
 
 
 def _field(info: OptionInfo) -> tuple[Any, Any]:

@@ -1,16 +1,19 @@
 """Measurement of a series of images with all results in one folder."""
 
 import time
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fedic._core import __version__
 from fedic._internal.types import Image
 from fedic.campaign.config import Config, OutputSection
 from fedic.correlation import Correlator
-from fedic.errors import FedicError
+from fedic.errors import ConvergenceWarning, FedicError, QualityWarning
 from fedic.io.atomic import make_folder, write_json
 from fedic.io.images import read_image
 from fedic.plotting import plot_displacement, plot_mesh, plot_residual, save_figure
@@ -42,6 +45,11 @@ class Frame:
     def error(self) -> str | None:
         """The message of the error that stopped this frame, or None."""
         return self.outcome.get("error")
+
+    @property
+    def is_good(self) -> bool:
+        """Whether the frame was measured and the verdict finds nothing doubtful."""
+        return self.error is None and bool(self.outcome["quality"]["good"])
 
 
 def measure_series(config: Config, *, progress: ProgressCallback | None = None) -> Iterator[Frame]:
@@ -96,7 +104,11 @@ def _measure(correlator: Correlator, path: Path, output: OutputSection, *, progr
     stem = output.folder / path.stem
     try:
         deformed = read_image(path, mapped=True)
-        result = correlator.correlate(deformed, progress=progress)
+        with warnings.catch_warnings():
+            # The verdict is part of the outcome.
+            warnings.simplefilter("ignore", ConvergenceWarning)
+            warnings.simplefilter("ignore", QualityWarning)
+            result = correlator.correlate(deformed, progress=progress)
         for suffix in (".vtu", ".npz"):
             result.write(stem.with_name(stem.name + suffix), measure=output.strain_measure)
         if output.pictures:
@@ -111,7 +123,7 @@ def _draw(correlator: Correlator, result: Result, deformed: Image, stem: Path) -
     for component in ("x", "y"):
         figure = plot_displacement(result, deformed, component)
         save_figure(figure, stem.with_name(f"{stem.name}_displacement_{component}.png"))
-    residual = correlator.residual_map(deformed, result.displacement)
+    residual = correlator.residual_map(deformed, np.nan_to_num(result.unchecked_displacement))
     save_figure(plot_residual(residual), stem.with_name(f"{stem.name}_residual.png"))
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 __all__ = [
+    "EXIT_DOUBTFUL",
     "CameraOption",
     "OverwriteOption",
     "PictureOption",
@@ -23,6 +24,8 @@ __all__ = [
 ]
 
 _EXIT_ERROR = 2
+EXIT_DOUBTFUL = 3
+"""Exit status after a measurement that did not converge or is doubtful."""
 _EXIT_INTERRUPTED = 130
 
 CameraOption: TypeAlias = Annotated[

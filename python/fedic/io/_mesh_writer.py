@@ -77,7 +77,7 @@ def _write(
         num_cells = sum(len(nodes) for nodes in cells.values())
         point_data = {SET_PREFIX + name: membership(rows, len(points)) for name, rows in node_sets.items()}
         cell_data = {SET_PREFIX + name: membership(rows, num_cells) for name, rows in cell_sets.items()}
-        write_vtu(path, points, dict(cells), point_data, cell_data)
+        write_vtu(path, points, dict(cells), point_data, cell_data, {})
     else:
         write_with_meshio(path, points, cells, node_sets, cell_sets)
 

@@ -27,6 +27,7 @@ def write_vtu(
     cells: Mapping[str, Array],
     point_data: Mapping[str, Array],
     cell_data: Mapping[str, Array],
+    field_data: Mapping[str, Array],
 ) -> None:
     """Write an unstructured grid with base64-encoded arrays.
 
@@ -41,6 +42,8 @@ def write_vtu(
     point_data, cell_data : dict
         Fields by name, float64, int64 or uint8: (n,) or (n, 3) on the nodes, (m,) on the cells, those of one type after
         the other.
+    field_data : dict
+        Arrays of the whole file by name, (k,).
     """
     counts = {name: nodes.shape for name, nodes in cells.items()}
     sizes = np.concatenate([np.full(count, size) for count, size in counts.values()]).astype("<i8")
@@ -58,6 +61,9 @@ def write_vtu(
         file.write(b'<?xml version="1.0"?>\n')
         file.write(b'<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n')
         file.write(b"<UnstructuredGrid>\n")
+        file.write(b"<FieldData>\n")
+        file.writelines(_data_arrays(field_data.items(), counted=True))
+        file.write(b"</FieldData>\n")
         file.write(f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(sizes)}">\n'.encode())
         for section, arrays in grid:
             file.write(f"<{section}>\n".encode())
@@ -66,10 +72,11 @@ def write_vtu(
         file.write(b"</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
 
 
-def _data_arrays(arrays: Iterable[tuple[str, Array]]) -> Iterable[bytes]:
+def _data_arrays(arrays: Iterable[tuple[str, Array]], *, counted: bool = False) -> Iterable[bytes]:
     for name, values in arrays:
         numbers = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
         components = f' NumberOfComponents="{numbers.shape[1]}"' if numbers.ndim > 1 else ""
+        components += f' NumberOfTuples="{len(numbers)}"' if counted else ""
         kind = _TYPE_NAMES[numbers.dtype.str[1:]]
         yield f'<DataArray type="{kind}" Name="{escape(name)}"{components} format="binary">\n'.encode()
         yield base64.b64encode(np.uint64(numbers.nbytes).astype("<u8").tobytes() + numbers.tobytes())

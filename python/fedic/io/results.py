@@ -28,8 +28,8 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
     mesh : Mesh
         The mesh.
     arrays : mapping of str to ndarray
-        The arrays of an ``.npz`` file. The mesh formats take ``displacement`` and ``pixel_displacement`` of the nodes,
-        ``strains`` and ``cell_residuals`` of the cells from it, and name the strains by ``strain_measure``.
+        The arrays of an ``.npz`` file. The mesh formats take those of the nodes and of the cells from it, and name the
+        strains by ``strain_measure``.
     summary : mapping
         The content of a ``.json`` file.
 
@@ -53,7 +53,14 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
             np.savez(file, **arrays)  # type: ignore[arg-type]
     elif suffix == ".vtu":
         with atomic_path(path) as temporary:
-            write_vtu(temporary, _three_components(mesh.points), mesh.cells, _point_data(arrays), _cell_data(arrays))
+            write_vtu(
+                temporary,
+                _three_components(mesh.points),
+                mesh.cells,
+                _point_data(arrays),
+                _cell_data(arrays),
+                {name: np.array([arrays[name]], dtype=np.uint8) for name in ("converged", "good")},
+            )
     elif suffix == ".vtk":
         _write_vtk(path, mesh, arrays)
     else:
@@ -78,19 +85,23 @@ def _write_vtk(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]]) -> No
         meshio.write(temporary, content, file_format="vtk", binary=True)
 
 
-def _point_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, Floats]:
+def _point_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return {
         "displacement": _three_components(arrays["displacement"]),
         "displacement_px": _three_components(arrays["pixel_displacement"]),
+        "standard_deviation_px": arrays["node_standard_deviation_px"],
+        "flags": arrays["node_flags"],
     }
 
 
-def _cell_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, Floats]:
+def _cell_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     measure = str(arrays["strain_measure"]).replace("-", "_")
     strains = zip(("xx", "yy", "xy"), arrays["strains"].T, strict=True)
     return {
         **{f"{measure}_strain_{component}": values for component, values in strains},
         "residual": arrays["cell_residuals"],
+        "correlation": arrays["cell_correlation"],
+        "flags": arrays["cell_flags"],
     }
 
 

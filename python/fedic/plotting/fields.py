@@ -15,6 +15,7 @@ from fedic._internal.choices import check_choice
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
 from fedic.plotting.colour_maps import IMAGE, SEQUENTIAL, SIGNED
+from fedic.results.quality import Quality
 from fedic.results.strains import StrainMeasure, Strains
 
 __all__ = [
@@ -52,6 +53,10 @@ class MeasuredField(Protocol):
     def pixel_displacement(self) -> Floats:
         """Nodal displacements (n, 2) in pixels."""
 
+    @property
+    def quality(self) -> Quality:
+        """The verdict."""
+
     def strains(self, measure: StrainMeasure, at: Literal["nodes"]) -> Strains:
         """Return the strains at the nodes."""
 
@@ -70,6 +75,7 @@ _MEASURE_NAMES: dict[StrainMeasure, str] = {
     "small": "small strain",
 }
 _BACKDROP_SIDE = 2000
+_DOUBTFUL = "tab:red"
 _LONG_SIDE_INCHES = 7.0
 _MARGIN = 0.06
 _CLIPPED_PERCENT = 0.5
@@ -207,11 +213,30 @@ def _plot_nodal_field(field: MeasuredField, image: Image, values: Floats, label:
     check_choice("on", on, get_args(Configuration))
     pixels = field.camera.project(field.mesh.points)
     if on == "deformed":
-        pixels = pixels + field.pixel_displacement
+        # Nodes that were not measured are drawn at rest, in the outlines of flagged cells only.
+        pixels = pixels + np.nan_to_num(field.pixel_displacement)
     figure, axes = _image_figure(image, pixels[field.mesh.used_nodes])
     colours = draw_nodal_field(axes, field.mesh, pixels, values, alpha=0.8)
     figure.colorbar(colours, ax=axes, label=label, extend="both", shrink=0.9)
+    _mark_doubtful(axes, field, pixels)
     return figure
+
+
+def _mark_doubtful(axes: Axes, field: MeasuredField, pixels: Floats) -> None:
+    """Draw the outlines of flagged cells, and say in the title what is doubtful."""
+    quality = field.quality
+    flagged = quality.cell_flags != 0
+    first = 0
+    for outline in field.mesh.outlines():
+        of_type = outline[flagged[first : first + len(outline)]]
+        first += len(outline)
+        closed = np.concatenate([of_type, of_type[:, :1]], axis=1)
+        axes.add_collection(LineCollection(list(pixels[closed]), colors=_DOUBTFUL, linewidths=0.8))
+    if not quality.is_good:
+        parts = [] if quality.converged else ["NOT CONVERGED"]
+        parts += [f"{flagged.sum()} of {flagged.size} cells flagged"] if flagged.any() else []
+        parts += ["periodic texture"] if len(quality.repeats) else []
+        axes.set_title("; ".join(parts) or "doubtful", color=_DOUBTFUL, fontsize="medium")
 
 
 def plot_residual(residual: NDArray[np.float32]) -> Figure:

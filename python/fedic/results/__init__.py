@@ -1,6 +1,8 @@
-"""Results of a measurement: the displacement field and what follows from it."""
+"""Results of a measurement: the displacement field, what follows from it, and the verdict on it."""
 
+from fedic.results.attempt import Attempt
+from fedic.results.quality import Quality
 from fedic.results.result import Iteration, Result
 from fedic.results.strains import StrainAxes, StrainMeasure, Strains
 
-__all__ = ["Iteration", "Result", "StrainAxes", "StrainMeasure", "Strains"]
+__all__ = ["Attempt", "Iteration", "Quality", "Result", "StrainAxes", "StrainMeasure", "Strains"]

@@ -13,6 +13,8 @@ from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, StrPath
 from fedic.errors import ImageError
 from fedic.io.results import write_result
+from fedic.results.attempt import Attempt
+from fedic.results.quality import Quality
 from fedic.results.strains import StrainAxes, StrainMeasure, Strains
 
 if TYPE_CHECKING:
@@ -58,9 +60,9 @@ class Result:
     camera : ImageFrame, FrontParallel or Pinhole
         The camera of the measurement.
     displacement : ndarray of float, shape (n, 2)
-        Nodal displacements in the mesh's unit; NaN at nodes of no cell.
+        Nodal displacements in the mesh's unit; NaN at nodes that were not measured: those of no valid cell.
     pixel_displacement : ndarray of float, shape (n, 2)
-        Nodal displacements in the image, ``(u, v)`` in pixels.
+        Nodal displacements in the image, ``(u, v)`` in pixels; NaN at nodes that were not measured.
     converged : bool
         True if the error left by the iterations is below the tolerance.
     error_left : float
@@ -76,7 +78,17 @@ class Result:
     cell_residuals : ndarray of float, shape (num_cells,)
         Root mean square of the residual in each cell, in grey levels of the images as smoothed.
     outside_cells : ndarray of int
-        Cells with points that left the deformed image; these points were not used.
+        Cells with points that left the deformed image, or are saturated in it; these points were not used.
+    unchecked_displacement : ndarray of float, shape (n, 2)
+        Nodal displacements in the mesh's unit as the iterations left them, whatever the verdict; NaN at nodes of no
+        cell.
+    quality : Quality
+        The verdict: evidence and flags of each cell and node.
+    start : str
+        The start that led here: ``"zero"``, ``"pyramid"``, ``"fft"``, ``"features"``, ``"log-polar"``, ``"flow"``,
+        ``"given"``, or one of these followed by ``"+pyramid"``.
+    attempts : tuple of Attempt
+        What each start led to that ``"auto"`` tried; that of this result is the last.
     """
 
     mesh: Mesh
@@ -91,14 +103,28 @@ class Result:
     residual_rms: float
     cell_residuals: Floats
     outside_cells: NDArray[np.int64]
+    unchecked_displacement: Floats
+    quality: Quality
+    start: str
+    attempts: tuple[Attempt, ...] = ()
     _measurement: Measurement | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         state = "converged" if self.converged else "not converged"
         return (
-            f"Result({state} in {self.iterations} iterations, {self.mesh.num_nodes} nodes, {self.num_points} points, "
-            f"residual_rms={self.residual_rms:.3g})"
+            f"Result({state} in {self.iterations} iterations from {self.start!r}, {self.mesh.num_nodes} nodes, "
+            f"{self.num_points} points, residual_rms={self.residual_rms:.3g}, {self.quality!r})"
         )
+
+    @property
+    def valid_nodes(self) -> NDArray[np.bool_]:
+        """Nodes that were measured, shape (n,): those of at least one valid cell."""
+        return self.quality.valid_nodes & self.mesh.used_nodes
+
+    @property
+    def valid_cells(self) -> NDArray[np.bool_]:
+        """Cells without a flag, shape (num_cells,)."""
+        return self.quality.valid_cells
 
     def at(self, points: ArrayLike) -> Floats:
         """Evaluate the displacement anywhere in the mesh.
@@ -150,7 +176,7 @@ class Result:
         OptionError
             If an argument is unknown or has the wrong shape.
         """
-        return self.mesh.strains(self.displacement, measure, at, axes, centre=centre)
+        return self.mesh.strains(self.displacement, measure, at, axes, centre=centre, valid_cells=self.valid_cells)
 
     def plot(
         self,
@@ -196,7 +222,8 @@ class Result:
         -------
         ndarray of float32, shape (height, width)
             ``f - g`` of the images as smoothed, after the brightness correction, in grey levels; NaN at pixels whose
-            centre lies outside the mesh.
+            centre lies outside the mesh or is masked. The displacement is the unchecked one, so that the residual
+            shows why a cell is flagged.
 
         Raises
         ------
@@ -207,20 +234,21 @@ class Result:
         -----
         The correlator that measured is used if it still exists; otherwise it is prepared again.
         """
-        return self._images().residual_map(self.displacement)
+        return self._images().residual_map(np.nan_to_num(self.unchecked_displacement))
 
-    def standard_deviations(self, noise: float) -> Floats:
+    def standard_deviations(self, noise: float | None = None) -> Floats:
         """Predict the standard deviation of the displacement from the noise of the images.
 
         Parameters
         ----------
-        noise : float
-            Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing.
+        noise : float, optional
+            Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing; by default
+            that of the verdict, ``quality.noise``.
 
         Returns
         -------
         ndarray of float, shape (n, 2)
-            In the mesh's unit; NaN at nodes of no cell. See `Correlator.standard_deviations`.
+            In the mesh's unit; NaN at nodes that were not measured. See `Correlator.standard_deviations`.
 
         Raises
         ------
@@ -229,7 +257,12 @@ class Result:
         ImageError
             If the reference image is no longer known or has changed since the measurement.
         """
-        return self._images().standard_deviations(noise)
+        level = self.quality.noise if noise is None else noise
+        if noise is None and not math.isfinite(level):
+            return np.full(self.displacement.shape, np.nan)
+        deviations = self._images().standard_deviations(level)
+        deviations[~self.valid_nodes] = np.nan
+        return deviations
 
     def _images(self) -> Measurement:
         if self._measurement is None:
@@ -244,8 +277,9 @@ class Result:
 
         ``.vtu`` and ``.vtk``
             For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes,
-            ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``) and
-            ``residual`` on the cells.
+            ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``),
+            ``residual`` and ``correlation`` on the cells; ``flags`` on both (zero where nothing is doubtful), and
+            ``converged`` and ``good`` as field data of the ``.vtu``.
         ``.npz``
             Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains``.
         ``.json``
@@ -281,7 +315,8 @@ class Result:
         -------
         dict
             ``converged``, ``error_left`` and ``residual_rms`` (None if not finite), ``iterations``, ``num_nodes``,
-            ``num_cells``, ``num_points`` and ``outside_cells``.
+            ``num_cells``, ``num_points``, ``outside_cells``, ``start``, ``attempts`` (list of dict) and ``quality``,
+            the summary of the verdict.
         """
         return {
             "converged": self.converged,
@@ -292,6 +327,9 @@ class Result:
             "num_cells": self.mesh.num_cells,
             "num_points": self.num_points,
             "outside_cells": self.outside_cells.tolist(),
+            "start": self.start,
+            "attempts": [_with_finite(attempt._asdict()) for attempt in self.attempts],
+            "quality": self.quality.summary(),
         }
 
     def _arrays(self, measure: StrainMeasure) -> dict[str, NDArray[Any]]:
@@ -310,7 +348,21 @@ class Result:
             "iterations": np.array(self.iterations),
             "num_points": np.array(self.num_points),
             "residual_rms": np.array(self.residual_rms),
+            "unchecked_displacement": self.unchecked_displacement,
+            "valid_nodes": self.valid_nodes,
+            "valid_cells": self.valid_cells,
+            "node_flags": self.quality.node_flags,
+            "cell_flags": self.quality.cell_flags,
+            "cell_correlation": self.quality.correlation,
+            "node_standard_deviation_px": self.quality.standard_deviation,
+            "noise": np.array(self.quality.noise),
+            "good": np.array(self.quality.is_good),
+            "start": np.array(self.start),
         }
+
+
+def _with_finite(entries: dict[str, Any]) -> dict[str, Any]:
+    return {name: _finite(value) if isinstance(value, float) else value for name, value in entries.items()}
 
 
 def _finite(value: float) -> float | None:

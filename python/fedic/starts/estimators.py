@@ -11,7 +11,7 @@ from fedic.starts.log_polar import turned
 
 __all__ = ["ESTIMATORS", "candidates"]
 
-ESTIMATORS: dict[str, Estimator] = {"fft": translations, "log-polar": turned, "features": matched_features}
+ESTIMATORS: dict[str, Estimator] = {"fft": translations, "features": matched_features, "log-polar": turned}
 """The estimators of a motion of the whole mesh, cheapest first."""
 
 

@@ -35,10 +35,10 @@ pub(crate) trait Basis<const D: usize>: Sync {
     /// Adds `factor` times a matrix of the increment of the displacement to the Hessian, if the equations have one.
     fn add_matrix(&self, factor: f64, nodal: &SymmetricMatrix, equations: &mut NormalEquations);
 
-    /// Increment of the nodal field that solves the equations.
+    /// Increment of the nodal field that solves the equations. A Hessian that they hold is used until the next.
     ///
     /// # Errors
     ///
     /// [`SolveError::Singular`] if the equations do not determine it.
-    fn solve(&self, equations: NormalEquations) -> Result<Vec<[f64; D]>, SolveError>;
+    fn solve(&mut self, equations: NormalEquations) -> Result<Vec<[f64; D]>, SolveError>;
 }

@@ -83,6 +83,15 @@ impl<const D: usize> NodalDeformation<D> {
     }
 }
 
+/// Whether each cell is folded by a displacement field, or changes its area by more than a factor of ten.
+pub(crate) fn folded_cells<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<bool> {
+    let slopes = CellType::ALL.map(|cell| shape_gradients(cell, cell.reference_centre()));
+    let of_cell = |cell: fedic_mesh::Cell<'_>| {
+        cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement).is_none()
+    };
+    mesh.cells().map(of_cell).collect()
+}
+
 fn identity<const D: usize>() -> Tensor<D> {
     std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
 }

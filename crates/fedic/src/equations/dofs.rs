@@ -157,12 +157,15 @@ impl<const D: usize> Dofs<D> {
         }
     }
 
+    /// Extends a value for each node to all nodes of the user's mesh.
+    pub(crate) fn extend_by<T: Copy>(&self, values: &[T], missing: T) -> Vec<T> {
+        let mut all = vec![missing; self.num_user_nodes];
+        self.kept.iter().zip(values).for_each(|(&node, value)| all[node as usize] = *value);
+        all
+    }
+
     /// Extends a field to all nodes of the user's mesh, by NaN.
     pub(crate) fn extend(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
-        let mut all = vec![[f64::NAN; D]; self.num_user_nodes];
-        for (&node, value) in self.kept.iter().zip(field) {
-            all[node as usize] = *value;
-        }
-        all
+        self.extend_by(field, [f64::NAN; D])
     }
 }

@@ -19,6 +19,16 @@ pub(crate) trait Term<const D: usize> {
         monitor: &dyn Monitor,
     ) -> Result<TermReport, Error>;
 
+    /// Whether the term must be assembled with a new Hessian, as its points have changed.
+    fn needs_hessian(&self) -> bool {
+        false
+    }
+
+    /// Whether the points of the term differ from those of the Hessian in use.
+    fn has_changed(&self) -> bool {
+        false
+    }
+
     /// Whether the term is a penalty on the displacement, without image.
     fn is_penalty(&self) -> bool {
         false
@@ -38,9 +48,21 @@ pub(crate) struct TermReport {
     pub(crate) cost: f64,
     /// Sum of the weights, in the units of the cost per squared grey level; zero for a penalty.
     pub(crate) weight: f64,
-    /// Root mean square of the residual over each cell read, in grey levels; NaN in a cell without points in the image. Empty for a
-    /// penalty.
-    pub(crate) cell_residuals: Vec<f64>,
-    /// Cells with points outside the deformed image.
-    pub(crate) outside_cells: Vec<usize>,
+    /// Agreement of the images over each cell read. Empty for a penalty.
+    pub(crate) cells: Vec<CellAgreement>,
+}
+
+/// Agreement of the two images over a cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CellAgreement {
+    /// Root mean square of the residual, in grey levels; NaN without points.
+    pub(crate) residual: f64,
+    /// Standard deviation, in grey levels, of the residual that is left by the best gain and offset of the cell; NaN without points.
+    pub(crate) scatter: f64,
+    /// Correlation coefficient of the grey levels; NaN without points, zero where one image is flat.
+    pub(crate) correlation: f64,
+    /// Share of the weights that is used, from 0 to 1.
+    pub(crate) used: f64,
+    /// Whether the deformed image has no grey level at some points.
+    pub(crate) is_partial: bool,
 }

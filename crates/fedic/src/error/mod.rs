@@ -75,6 +75,22 @@ pub enum Error {
         /// Standard deviation of the grey levels at the quadrature points.
         std: f64,
     },
+    /// A mask does not fit the reference image.
+    #[error(
+        "the mask has {found} pixels; the reference image has {} x {} pixels (columns x rows)", expected[0], expected[1]
+    )]
+    MaskSize {
+        /// Columns and rows of the reference image.
+        expected: [usize; 2],
+        /// Number of pixels of the mask.
+        found: usize,
+    },
+    /// Masked and saturated points leave nothing to measure.
+    #[error(
+        "no cell of the mesh has enough points in the reference image that are neither masked nor saturated; check the mask \
+         (true where a pixel is left out) and the exposure"
+    )]
+    NoUsablePoints,
     /// The reference image is needed again and cannot be viewed.
     #[error("the reference image cannot be read again: {reason}")]
     ReferenceUnavailable {

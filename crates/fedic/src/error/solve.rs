@@ -7,6 +7,12 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SolveError {
+    /// No cell has enough points in the deformed image.
+    #[error(
+        "no cell has enough points left in the deformed image that are neither outside it nor saturated: the start is too far \
+         off, the specimen has left the view, or the image is overexposed; try another initial displacement"
+    )]
+    LeftView,
     /// The starting displacement does not have one finite entry per used node.
     #[error("the initial displacement must have one finite value per component and node ({expected} nodes): {found}")]
     InvalidStart {

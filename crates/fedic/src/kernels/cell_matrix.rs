@@ -54,6 +54,12 @@ impl<const D: usize> CellMatrix<D> {
         entries
     }
 
+    /// Block of node `a` on the diagonal.
+    pub(crate) fn node_block(&self, a: usize) -> [[f64; D]; D] {
+        let sums = &self.sums[a * (a + 1) / 2 + a];
+        std::array::from_fn(|i| std::array::from_fn(|j| if i >= j { sums[i][j] } else { sums[j][i] }))
+    }
+
     /// Sum of the diagonal.
     pub(crate) fn trace(&self) -> f64 {
         let diagonal = |sums: Products<D>| (1..D).fold(sums[0][0], |sum, c| sum + sums[c][c]);

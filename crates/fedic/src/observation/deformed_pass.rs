@@ -7,24 +7,35 @@ use crate::kernels::residual::moments;
 use crate::observation::cell_context::{CellContext, ImagePoints};
 use crate::observation::observe::Observation;
 use crate::observation::photometry::{Moments, change_origin};
+use crate::observation::used_points::is_too_few;
 use crate::observation::workspace::{UnsharedShapeTable, Workspace};
 
 /// Moments of both images over a cell.
 pub(crate) struct DeformedCell {
     pub(crate) moments: Moments,
-    /// Whether some points lie outside the deformed image.
-    pub(crate) outside: bool,
+    /// Points without weight, if there are any: those outside the deformed image, saturated there or excluded.
+    pub(crate) unused: Option<Box<[bool]>>,
+}
+
+/// Points of a deformed image that get no weight, beside those outside it.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Exclusion<'a> {
+    /// Grey level from which on a point is saturated.
+    pub(crate) saturated: Option<f32>,
+    /// Points of the cell that are left out.
+    pub(crate) points: Option<&'a [bool]>,
 }
 
 /// Evaluates the deformed image at the points of a cell.
 ///
-/// The grey levels are left in `workspace.points.grey`. If some points lie outside the image, `workspace.points.weights` holds the
-/// weights of all points, zero for these.
+/// The grey levels are left in `workspace.points.grey`. If some points get no weight, `workspace.points.weights` holds the weights of
+/// all points, zero for these; all are zero if too few are left.
 pub(crate) fn read_deformed<const D: usize>(
     observation: &Observation<D>,
     deformed: &Interpolator,
     workspace: &mut Workspace<D>,
     context: &CellContext<'_, D>,
+    exclusion: Exclusion<'_>,
     next: Option<&CellPrefetch<'_>>,
 ) -> DeformedCell {
     let (cell, count) = (context.cell, context.count());
@@ -40,6 +51,13 @@ pub(crate) fn read_deformed<const D: usize>(
             deformed.values(u, v, &mut grey[points]);
         }
     });
+    if let Some(level) = exclusion.saturated {
+        buffers.grey[..count].iter_mut().filter(|grey| **grey >= level).for_each(|grey| *grey = f32::NAN);
+    }
+    if let Some(excluded) = exclusion.points {
+        let excluded = buffers.grey.iter_mut().zip(excluded).filter(|(_, out)| **out);
+        excluded.for_each(|(grey, _)| *grey = f32::NAN);
+    }
     observation.samples.prefetch_value(cell);
     next.iter().for_each(|next| next.prefetch_upper_half());
     let of_reference = observation.moments[cell];
@@ -49,11 +67,17 @@ pub(crate) fn read_deformed<const D: usize>(
     let [g, gg] = cell_moments(context, shapes, &buffers.grey, samples.weights, weight, origin);
     if !g.is_nan() {
         let moments = Moments { g: samples.scale * g, gg: samples.scale * gg, ..of_reference };
-        return DeformedCell { moments, outside: false };
+        return DeformedCell { moments, unused: None };
+    }
+    let mut unused: Box<[bool]> = buffers.grey[..count].iter().map(|grey| grey.is_nan()).collect();
+    let weighted = |k: usize| samples.weights.is_none_or(|weights| weights[k] > 0.0);
+    let used = (0..count).filter(|&k| !unused[k] && weighted(k)).count();
+    if is_too_few(used, count, context.cell_type, D) {
+        unused.fill(true);
     }
     let mut weight = 0.0;
     for k in 0..count {
-        let inside = !buffers.grey[k].is_nan();
+        let inside = !unused[k];
         buffers.weights[k] = if inside { samples.weights.map_or(1.0, |weights| weights[k]) } else { 0.0 };
         weight += f64::from(buffers.weights[k]);
         if !inside {
@@ -64,7 +88,7 @@ pub(crate) fn read_deformed<const D: usize>(
     let [f, ff] = cell_moments(context, shapes, samples.value, weights, weight, origin);
     let [g, gg] = cell_moments(context, shapes, &buffers.grey, weights, weight, origin);
     let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| samples.scale * sum);
-    DeformedCell { moments: Moments { weight, f, ff, g, gg }, outside: true }
+    DeformedCell { moments: Moments { weight, f, ff, g, gg }, unused: Some(unused) }
 }
 
 /// Weighted sum of grey levels counted from `origin`, and of their squares, over the points of a cell whose weights add up to

@@ -9,8 +9,10 @@ use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::gradient::LinearJacobian;
 use crate::observation::cell_context::exact_sensitivity;
 use crate::observation::photometry::{FLAT, Moments};
-use crate::observation::reference_pass::{ReferencePass, ReferenceSums, typical_grey_level};
+use crate::observation::pixel_mask::PixelMask;
+use crate::observation::reference_pass::{ReferencePass, ReferenceSums, touches_cell, typical_grey_level};
 use crate::observation::reference_samples::ReferenceSamples;
+use crate::observation::used_points::saturated_from;
 use crate::observation::weights::cell_weights;
 use crate::observation::workspace::Workspace;
 use crate::parallel::for_each_in_order;
@@ -31,6 +33,10 @@ pub(crate) struct Observation<const D: usize> {
     pub(crate) grey_origin: f32,
     /// Moments of the reference image over each cell.
     pub(crate) moments: Vec<Moments>,
+    /// Sum of the weights of all points of each cell, masked and saturated ones as well.
+    pub(crate) full_weights: Vec<f64>,
+    /// Block of each node on the diagonal of the Hessian.
+    pub(crate) node_blocks: Vec<[[f64; D]; D]>,
     /// Derivatives of the right-hand side, but for the sign, with respect to a gain and an offset of the reference image, its grey
     /// levels counted from the origin: `sum w N^T q f` and `sum w N^T q`, by unknown.
     pub(crate) photometric: [Vec<f64>; 2],
@@ -43,6 +49,10 @@ pub(crate) struct ObservationSettings {
     pub(crate) size: [usize; 2],
     /// Whether a mesh that leaves the image is an error; otherwise its points outside are dropped.
     pub(crate) require_full_coverage: bool,
+    /// Pixels whose points get no weight.
+    pub(crate) mask: Option<Arc<PixelMask>>,
+    /// Full scale of the grey levels if the image reaches it: saturated points get no weight.
+    pub(crate) full_scale: Option<f32>,
 }
 
 impl<const D: usize> Observation<D> {
@@ -71,10 +81,13 @@ impl<const D: usize> Observation<D> {
         }
         let quadrature = CellQuadrature::new(mesh, camera.as_ref(), settings.quadrature)?;
         let num_points = quadrature.num_points();
-        let weights = cell_weights(mesh, &quadrature, !settings.require_full_coverage);
+        let nodes = project_nodes::<D>(mesh, camera.as_ref(), None);
+        let mask = settings.mask.as_deref();
+        let any_may_drop = !settings.require_full_coverage || settings.full_scale.is_some();
+        let masked = |cell| mask.is_some_and(|mask| touches_cell(mask, mesh.cell(cell).nodes, &nodes));
+        let weights = cell_weights(mesh, &quadrature, |cell| any_may_drop || masked(cell));
         let mut samples =
             ReferenceSamples::zeros(&quadrature, &weights).ok_or(SolveError::TooManyPoints { points: num_points })?;
-        let nodes = project_nodes::<D>(mesh, camera.as_ref(), None);
         let grey_origin = typical_grey_level(&reference, &nodes);
         let pass = ReferencePass {
             mesh,
@@ -83,10 +96,14 @@ impl<const D: usize> Observation<D> {
             image: &reference,
             nodes: &nodes,
             grey_origin,
+            mask,
+            saturated: settings.full_scale.map(saturated_from),
         };
         let (mut moments, mut total) = (Vec::with_capacity(mesh.num_cells()), Moments::default());
         let (mut outside, mut jacobians) = (Vec::new(), Vec::with_capacity(mesh.num_cells()));
         let mut photometric = [(); 2].map(|()| vec![0.0; mesh.num_nodes() * D]);
+        let mut full_weights = Vec::with_capacity(mesh.num_cells());
+        let mut node_blocks = vec![[[0.0; D]; D]; mesh.num_nodes()];
         for_each_in_order(
             samples.cells_mut(),
             monitor,
@@ -95,6 +112,10 @@ impl<const D: usize> Observation<D> {
                 for (vector, sums) in photometric.iter_mut().zip(&sums.photometric) {
                     add_to_nodes(mesh.cell(cell).nodes, sums, vector);
                 }
+                let of_cell = mesh.cell(cell).nodes;
+                let blocks: Vec<_> = (0..of_cell.len()).map(|a| sums.matrix.node_block(a)).collect();
+                add_node_blocks(of_cell, &blocks, &mut node_blocks);
+                full_weights.push(sums.full_weight);
                 total.add(&sums.moments);
                 moments.push(sums.moments);
                 jacobians.push(sums.jacobian);
@@ -109,11 +130,25 @@ impl<const D: usize> Observation<D> {
         if settings.require_full_coverage && !outside.is_empty() {
             return Err(refuse(outside));
         }
+        if num_points > 0 && total.weight == 0.0 && (mask.is_some() || settings.full_scale.is_some()) {
+            return Err(Error::NoUsablePoints);
+        }
         let std = total.std_f();
         if num_points > 0 && (std.is_nan() || std <= FLAT) {
             return Err(Error::Flat { which: "reference", std });
         }
-        Ok(Self { camera, size, quadrature, samples, jacobians, grey_origin, moments, photometric })
+        Ok(Self {
+            camera,
+            size,
+            quadrature,
+            samples,
+            jacobians,
+            grey_origin,
+            moments,
+            full_weights,
+            node_blocks,
+            photometric,
+        })
     }
 
     /// Writes the sensitivities of a cell whose Jacobian is not nearly linear, from the exact one at each point.
@@ -138,6 +173,14 @@ pub(crate) fn add_to_nodes<const D: usize>(nodes: &[u32], sums: &[[f64; D]], vec
     let all = vector.as_chunks_mut::<D>().0;
     for (&node, sums) in nodes.iter().zip(sums) {
         all[node as usize].iter_mut().zip(sums).for_each(|(b, sum)| *b += sum);
+    }
+}
+
+/// Adds the diagonal blocks of the Hessian of a cell to those of its nodes.
+pub(crate) fn add_node_blocks<const D: usize>(nodes: &[u32], blocks: &[[[f64; D]; D]], sums: &mut [[[f64; D]; D]]) {
+    for (&node, block) in nodes.iter().zip(blocks) {
+        let sums = sums[node as usize].as_flattened_mut();
+        sums.iter_mut().zip(block.as_flattened()).for_each(|(sum, entry)| *sum += entry);
     }
 }
 

@@ -65,6 +65,25 @@ impl Moments {
         self.std(self.g, self.gg)
     }
 
+    /// Standard deviation of the residual `f - a g - b` with the best `a` and `b`, and the correlation coefficient of `f` and `g`.
+    /// `squares` is the sum of the squared residuals with this gain and offset, of grey levels counted from the same origin.
+    pub(crate) fn regression(&self, squares: f64, GainOffset { gain, offset }: GainOffset) -> (f64, f64) {
+        let Self { weight, f, ff, g, gg } = *self;
+        let of_squares = ff + gain * gain * gg + offset * offset * weight + 2.0 * offset * (gain * g - f);
+        let product = (of_squares - squares) / (2.0 * gain);
+        let covariance = product / weight - (f / weight) * (g / weight);
+        let (std_f, std_g) = (self.std_f(), self.std_g());
+        if std_f <= FLAT || std_g <= FLAT {
+            return (std_f, 0.0);
+        }
+        let correlation = (covariance / (std_f * std_g)).clamp(-1.0, 1.0);
+        // The residual variance, unlike 1 - correlation^2, is accurate for images that agree well.
+        let mean = (f - gain * g - offset * weight) / weight;
+        let slope = (covariance - gain * std_g * std_g) / std_g;
+        let variance = squares / weight - mean * mean - slope * slope;
+        (variance.max(0.0).sqrt(), correlation)
+    }
+
     /// Matches mean and standard deviation of `g` to those of `f`; the mean alone if an image is flat; the identity without points.
     pub(crate) fn gain_offset(&self) -> GainOffset {
         if self.weight <= 0.0 {
@@ -111,6 +130,26 @@ mod tests {
         let ([one, other], weight) = ([from(5.0), from(-3.5)], 3.5);
         let [g, gg] = change_origin(-3.5, [one.g, one.gg], weight, 5.0);
         assert!((g - other.g).abs() < 1e-12 && (gg - other.gg).abs() < 1e-11, "{g} {gg} {other:?}");
+    }
+
+    #[test]
+    fn regression_is_that_of_the_points() {
+        let points = [(0.5, 10.0, 3.0), (1.0, 14.0, 4.0), (2.0, 9.0, 8.0), (0.7, 11.0, 5.5)];
+        let mut moments = Moments::default();
+        points.iter().for_each(|&(w, f, g)| moments.add_point(w, f, g));
+        let weight: f64 = points.iter().map(|p| p.0).sum();
+        let mean = |k: usize| points.iter().map(|p| p.0 * [p.1, p.2][k]).sum::<f64>() / weight;
+        let (mf, mg) = (mean(0), mean(1));
+        let sum = |of: &dyn Fn(f64, f64) -> f64| points.iter().map(|&(w, f, g)| w * of(f - mf, g - mg)).sum::<f64>();
+        let (ff, gg, fg) = (sum(&|f, _| f * f), sum(&|_, g| g * g), sum(&|f, g| f * g));
+        let expected = ((ff - fg * fg / gg) / weight).sqrt();
+        for (gain, offset) in [(1.0, 0.0), (0.7, 3.0), (-1.2, 20.0)] {
+            let squares = points.iter().map(|&(w, f, g)| w * (f - gain * g - offset).powi(2)).sum();
+            let (scatter, correlation) = moments.regression(squares, GainOffset { gain, offset });
+            assert!((scatter - expected).abs() < 1e-12 && (correlation - fg / (ff * gg).sqrt()).abs() < 1e-12);
+        }
+        let flat = Moments { gg: moments.weight * 16.0, g: moments.weight * 4.0, ..moments };
+        assert_eq!(flat.regression(1.0, GainOffset::IDENTITY).1, 0.0);
     }
 
     #[test]

@@ -11,11 +11,13 @@ use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, moments, weighted_residuals};
 use crate::observation::cell_context::{CellContext, ImagePoints, exact_sensitivity, linear_sensitivity};
 use crate::observation::photometry::{Moments, change_origin};
+use crate::observation::pixel_mask::PixelMask;
 use crate::observation::reference_samples::CellSamplesMut;
+use crate::observation::used_points::is_too_few;
 use crate::observation::weights::fill_weights;
 use crate::observation::workspace::Workspace;
 use crate::projection::polynomial_basis::PolynomialBasis;
-use crate::projection::projected_points::ProjectedPoint;
+use crate::projection::projected_points::{ProjectedPoint, pixel_bounds};
 use crate::quadrature::cell_quadrature::CellQuadrature;
 
 /// Largest number of nodes that the grey-level origin is averaged over.
@@ -30,17 +32,23 @@ pub(crate) struct ReferencePass<'a> {
     pub(crate) nodes: &'a [ProjectedPoint],
     /// Origin of the grey levels in moments.
     pub(crate) grey_origin: f32,
+    /// Pixels whose points get no weight.
+    pub(crate) mask: Option<&'a PixelMask>,
+    /// Grey level from which on a point is saturated and gets no weight.
+    pub(crate) saturated: Option<f32>,
 }
 
 /// Sums over the points of a cell.
 pub(crate) struct ReferenceSums<const D: usize> {
     pub(crate) matrix: CellMatrix<D>,
     pub(crate) moments: Moments,
+    /// Sum of the weights of all points, those left out as well.
+    pub(crate) full_weight: f64,
     /// `sum w N^T q f`, grey levels counted from the origin, and `sum w N^T q`, by node.
     pub(crate) photometric: [[[f64; D]; MAX_NODES]; 2],
     /// Jacobian of the camera over the cell; `None` where it is not nearly linear.
     pub(crate) jacobian: Option<LinearJacobian<D>>,
-    /// Whether some points lie outside the image. They get no weight.
+    /// Whether some points lie outside the image. They get no weight, as those that are masked or saturated.
     pub(crate) outside: bool,
 }
 
@@ -62,62 +70,77 @@ impl ReferencePass<'_> {
         };
         workspace.points.resize(context.count());
         self.evaluate(workspace, &context, samples.value);
-        let outside = self.weigh(workspace, &context, &mut samples);
+        let Weighed { full_weight, outside } = self.weigh(workspace, &context, &mut samples);
         samples.store_gradient(workspace.points.gradient.each_ref().map(|along| &**along));
-        let sums = self.sum(workspace, &context, &samples, scale, outside);
+        let sums = self.sum(workspace, &context, &samples, scale);
         if let Some(next) = CellPrefetch::new(self.image.interpolator(), self.mesh, Some(cell + 1), self.nodes) {
             next.prefetch_upper_half();
             next.prefetch_lower_half();
         }
-        sums
+        ReferenceSums { full_weight: scale * full_weight, outside, ..sums }
     }
 
-    /// Evaluates grey levels and gradients, and sensitivities where the cell has no polynomial.
+    /// Evaluates grey levels and gradients, and sensitivities where the cell has no polynomial. The grey level is infinite at masked
+    /// and saturated points.
     fn evaluate<const D: usize>(&self, workspace: &mut Workspace<D>, context: &CellContext<'_, D>, value: &mut [f32]) {
         let Workspace { projector, points: buffers, .. } = workspace;
         let ([along_u, along_v], q) = (&mut buffers.gradient, &mut buffers.q);
+        let mask = self.mask.filter(|mask| touches_cell(mask, self.mesh.cell(context.cell).nodes, self.nodes));
         context.for_each_projection(projector, |image_points, points| {
             let gradient = [&mut along_u[points.clone()], &mut along_v[points.clone()]];
             let value = &mut value[points.clone()];
             match image_points {
                 ImagePoints::Near { origin, u, v } => {
                     self.image.values_and_gradients_near(origin, u, v, value, gradient);
+                    let [column, row] = origin.map(|c| c as f64);
+                    let at = |k: usize| (column + f64::from(u[k]), row + f64::from(v[k]));
+                    mark(value, mask, self.saturated, at);
                 }
                 ImagePoints::Exact(batch) => {
                     let [u, v] = batch.pixels();
                     self.image.values_and_gradients(u, v, value, gradient);
+                    mark(value, mask, self.saturated, |k| (u[k], v[k]));
                     exact_sensitivity(batch, points, |k| [along_u[k], along_v[k]], q);
                 }
             }
         });
     }
 
-    /// Writes the weights where they vary, and clears the points outside the image; returns whether there are any.
+    /// Writes the weights where they vary, and clears the points that get none: all of them if too few are left.
     fn weigh<const D: usize>(
         &self,
         workspace: &mut Workspace<D>,
         context: &CellContext<'_, D>,
         samples: &mut CellSamplesMut<'_>,
-    ) -> bool {
+    ) -> Weighed {
         let count = context.count();
         let CellSamplesMut { value, weights, .. } = samples;
         if let Some(weights) = weights {
             fill_weights(self.mesh, self.quadrature, context.cell, &mut weights[..count]);
         }
         let buffers = &mut workspace.points;
-        let mut outside = false;
+        let total = |weights: &[f32]| weights[..count].iter().copied().map(f64::from).sum();
+        let full_weight = weights.as_deref().map_or(count as f64, total);
+        let (mut outside, mut used) = (false, count);
         for k in 0..count {
-            if !value[k].is_nan() {
+            if value[k].is_finite() {
                 continue;
             }
-            outside = true;
+            outside |= value[k].is_nan();
+            used -= 1;
             value[k] = 0.0;
             buffers.gradient.iter_mut().chain(&mut buffers.q).for_each(|along| along[k] = 0.0);
             if let Some(weights) = weights {
                 weights[k] = 0.0;
             }
         }
-        outside
+        if let Some(weights) = weights
+            && used < count
+            && is_too_few(used, count, context.cell_type, D)
+        {
+            weights.fill(0.0);
+        }
+        Weighed { full_weight, outside }
     }
 
     fn sum<const D: usize>(
@@ -126,7 +149,6 @@ impl ReferencePass<'_> {
         context: &CellContext<'_, D>,
         samples: &CellSamplesMut<'_>,
         scale: f64,
-        outside: bool,
     ) -> ReferenceSums<D> {
         let basis = PolynomialBasis::of(context.cell_type);
         let (value, weights) = (&*samples.value, samples.weights.as_deref());
@@ -167,9 +189,39 @@ impl ReferencePass<'_> {
         ReferenceSums {
             matrix,
             moments: Moments { weight, f, ff, ..Moments::default() },
+            full_weight: weight,
             photometric,
             jacobian,
-            outside,
+            outside: false,
+        }
+    }
+}
+
+/// Weights of a cell.
+struct Weighed {
+    /// Sum of the weights of all points.
+    full_weight: f64,
+    /// Whether some points lie outside the image.
+    outside: bool,
+}
+
+/// Whether a masked pixel lies near a cell: within the box of its nodes and a quarter more, as edges may be curved.
+pub(crate) fn touches_cell(mask: &PixelMask, of_cell: &[u32], nodes: &[ProjectedPoint]) -> bool {
+    let [u, v] = pixel_bounds(of_cell.iter().map(|&node| &nodes[node as usize]));
+    let margin = [u, v].map(|[low, high]| 0.25 * (high - low) + 1.0);
+    mask.touches([u[0] - margin[0], v[0] - margin[1]], [u[1] + margin[0], v[1] + margin[1]])
+}
+
+/// Makes the grey levels of masked and saturated points infinite; `at` gives the image point of each.
+fn mark(value: &mut [f32], mask: Option<&PixelMask>, saturated: Option<f32>, at: impl Fn(usize) -> (f64, f64)) {
+    if let Some(level) = saturated {
+        value.iter_mut().filter(|value| **value >= level).for_each(|value| *value = f32::INFINITY);
+    }
+    let Some(mask) = mask else { return };
+    for (k, value) in value.iter_mut().enumerate() {
+        let (u, v) = at(k);
+        if value.is_finite() && mask.covers(u, v) {
+            *value = f32::INFINITY;
         }
     }
 }

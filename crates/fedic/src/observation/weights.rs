@@ -12,8 +12,13 @@ const BLOCK: usize = 64;
 
 /// Scale of the weights of each cell, and whether the weights vary over it: they do where the map of the cell is not affine, and
 /// where points may be dropped.
-pub(crate) fn cell_weights(mesh: &Mesh, quadrature: &CellQuadrature, may_drop: bool) -> Vec<(f64, bool)> {
+pub(crate) fn cell_weights(
+    mesh: &Mesh,
+    quadrature: &CellQuadrature,
+    may_drop: impl Fn(usize) -> bool + Sync,
+) -> Vec<(f64, bool)> {
     let weights = |cell: usize| {
+        let may_drop = may_drop(cell);
         let Some(area) = quadrature.point_area(cell) else { return (1.0, may_drop) };
         let (cell_type, nodes) = (mesh.cell(cell).cell_type, mesh.cell_points(cell));
         let centre = surface_element(cell_type, &nodes, cell_type.reference_centre());

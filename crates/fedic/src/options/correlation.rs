@@ -6,7 +6,7 @@ use fedic_mesh::Rule;
 use super::choice::choices;
 use super::declare::declare_options;
 use super::error::OptionError;
-use super::range::{DENSITY, MAX_ITERATIONS, NUM_THREADS, REGULARIZATION_LENGTH, Range, SMOOTHING, TOLERANCE};
+use super::range::{DENSITY, MAX_ITERATIONS, NOISE, NUM_THREADS, REGULARIZATION_LENGTH, Range, SMOOTHING, TOLERANCE};
 use super::value::{OptionKind, OptionType, OptionValue};
 
 /// Quadrature of the integral over the mesh.
@@ -140,6 +140,10 @@ declare_options! {
         /// The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from the
         /// last correction and its ratio to the one before.
         tolerance: f64 = 1e-3, in TOLERANCE;
+        /// Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: that of a static pair
+        /// divided by the square root of two. The verdict on the result is relative to it. By default it is estimated from the
+        /// residual of the measurement, in the cells whose images correlate.
+        noise: Option<f64> = None, in NOISE;
         /// Largest number of iterations on the images at full resolution.
         max_iterations: usize = 50, in MAX_ITERATIONS;
         /// Number of threads; all processors by default. The result does not depend on it.

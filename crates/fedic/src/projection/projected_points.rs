@@ -48,6 +48,13 @@ impl ProjectedPoints {
     }
 }
 
+impl ProjectedPoint {
+    /// Pixels per area of a surface along the `D` components of the displacement: the mean square of the scale along two directions.
+    pub(crate) fn pixels_per_area<const D: usize>(&self) -> f64 {
+        0.5 * self.jacobian.iter().flat_map(|row| &row[..D]).map(|entry| entry * entry).sum::<f64>()
+    }
+}
+
 /// Projects every node of a mesh, displaced if a displacement is given.
 pub(crate) fn project_nodes<const D: usize>(
     mesh: &Mesh,

@@ -1,7 +1,7 @@
 //! Shape functions and monomials tabulated at the quadrature points of a cell, in single precision.
 
 use fedic_memory::AlignedBuffer;
-use fedic_mesh::{CellType, MAX_NODES, Subdivision, shape_values_batch};
+use fedic_mesh::{CellType, MAX_NODES, Rule, Subdivision, shape_values, shape_values_batch};
 
 use crate::quadrature::monomials::{MONOMIALS, monomials};
 
@@ -11,6 +11,8 @@ pub(crate) const PADDING: usize = 16;
 pub(crate) const CHUNK: usize = 512;
 /// Largest number of points of a shared table.
 const MAX_SHARED: usize = 4096;
+/// Number of points per unit of the reference cell in means over it.
+const SAMPLES: f64 = 16.0;
 /// Smallest number of cells for which a shared table is kept.
 const MIN_SHARING: usize = 8;
 
@@ -101,6 +103,18 @@ impl<'a> ShapeTableChunk<'a> {
         let start = row * self.table.padded + self.first;
         &self.table.rows[start..start + self.padded]
     }
+}
+
+/// Mean over the reference cell of the square of each shape function.
+pub(crate) fn mean_squared_shapes(cell_type: CellType) -> Vec<f64> {
+    let enlarged: Vec<[f64; 2]> = cell_type.reference_nodes().iter().map(|node| node.map(|c| SAMPLES * c)).collect();
+    let points = Subdivision::of_cell(cell_type, &enlarged, Rule::default(), 1.0).all_points();
+    let mut means = vec![0.0; cell_type.num_nodes()];
+    for &at in &points {
+        let values = shape_values(cell_type, at);
+        means.iter_mut().zip(values).for_each(|(mean, value)| *mean += value * value / points.len() as f64);
+    }
+    means
 }
 
 /// Tables shared by the cells of one type and subdivision.

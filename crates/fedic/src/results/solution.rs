@@ -1,6 +1,7 @@
 //! The measured displacement field.
 
 use crate::PLANE;
+use crate::results::quality::Quality;
 
 /// One Gauss-Newton iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,9 +20,11 @@ pub struct Iteration {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Solution {
-    /// Displacement of each node of the mesh, in its unit; NaN at nodes that no cell uses.
+    /// Displacement of each node of the mesh, in its unit; NaN at nodes that were not measured: those of no valid cell.
     pub displacement: Vec<[f64; PLANE]>,
-    /// Displacement of each node in the image, `P(X + U) - P(X)`, in pixels.
+    /// Displacement as the iterations left it, whatever the verdict; NaN at nodes that no cell uses.
+    pub unchecked_displacement: Vec<[f64; PLANE]>,
+    /// Displacement of each node in the image, `P(X + U) - P(X)`, in pixels; NaN at nodes that were not measured.
     pub pixel_displacement: Vec<[f64; 2]>,
     /// Whether the error left by the iterations is within the tolerance.
     pub converged: bool,
@@ -36,8 +39,10 @@ pub struct Solution {
     pub residual_rms: f64,
     /// Root mean square of the residual over each cell, in grey levels; NaN where no point lies in the deformed image.
     pub cell_residuals: Vec<f64>,
-    /// Cells with points outside the deformed image. Their displacement is measured on the other points only.
+    /// Cells with points outside the deformed image, or saturated in it. Their displacement is measured on the other points only.
     pub outside_cells: Vec<usize>,
     /// Number of quadrature points.
     pub num_points: usize,
+    /// Evidence of each cell and node, and their flags.
+    pub quality: Quality,
 }

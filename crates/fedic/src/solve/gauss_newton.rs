@@ -56,7 +56,8 @@ impl GaussNewton {
             iteration += 1;
             basis.linearize(&displacement);
             let penalised = terms.iter().any(|term| term.is_penalty()) && basis.stretch() > MAX_STRETCH;
-            let mut equations = basis.equations(self.hessian == Hessian::Updated || penalised);
+            let changed = terms.iter().any(|term| term.needs_hessian());
+            let mut equations = basis.equations(self.hessian == Hessian::Updated || penalised || changed);
             let mut reports = Vec::with_capacity(terms.len());
             for term in terms.iter_mut() {
                 reports.push(term.assemble(&displacement, basis, &mut equations, monitor)?);
@@ -89,7 +90,7 @@ impl GaussNewton {
             });
             let error_left = error_left(previous, largest);
             previous = Some(largest);
-            let converged = error_left <= self.tolerance;
+            let converged = error_left <= self.tolerance && !terms.iter().any(|term| term.has_changed());
             if converged || iteration == self.max_iterations {
                 return Ok(Outcome { displacement, converged, error_left, reports });
             }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use fedic_camera::Camera;
 use fedic_image::Interpolator;
+use fedic_mesh::{CellType, Mesh};
 use fedic_sparse::{Factor, SymmetricMatrix};
 
 use crate::equations::dofs::Dofs;
@@ -14,9 +15,10 @@ use crate::equations::terms::penalty::Penalty;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::{Observation, ObservationSettings};
-use crate::projection::projected_points::project_nodes;
+use crate::projection::projected_points::{ProjectedPoint, project_nodes};
+use crate::quadrature::shape_table::mean_squared_shapes;
 use crate::results::solution::Iteration;
-use crate::solve::basis::nodal::NodalBasis;
+use crate::solve::basis::nodal::{NodalBasis, hold_weak_nodes};
 use crate::solve::gauss_newton::{GaussNewton, Outcome};
 use crate::solve::start::cell_subset::stratified_cells;
 use crate::{Brightness, Error, Monitor};
@@ -27,6 +29,8 @@ const FLAT_GRADIENT: f64 = 1e-3;
 /// A level of the pyramid; level 0 is the image at full resolution.
 pub(crate) struct Level<const D: usize> {
     pub(crate) observation: Observation<D>,
+    /// Area and texture of each cell.
+    pub(crate) textures: Vec<CellTexture>,
     /// Cells from which global quantities are estimated.
     pub(crate) subset: Vec<usize>,
     /// Factor of the Hessian at the reference position, the penalty included.
@@ -35,6 +39,22 @@ pub(crate) struct Level<const D: usize> {
     filter: Option<MaterialFilter<D>>,
     /// Penalty and its factor, if the displacement is smoothed.
     penalty: Option<(Smoothing, f64)>,
+}
+
+/// Area and texture of a cell in the reference image.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CellTexture {
+    /// Area of the cell in pixels.
+    pub(crate) pixels: f64,
+    /// Root mean square of the gradient along one direction, in grey levels per pixel; NaN without points.
+    pub(crate) gradient: f64,
+}
+
+/// A solution on one level.
+pub(crate) struct LevelSolution<const D: usize> {
+    pub(crate) outcome: Outcome<D>,
+    /// Block of each node on the diagonal of the Hessian over the points used last.
+    pub(crate) node_blocks: Vec<[[f64; D]; D]>,
 }
 
 /// How a level is made.
@@ -86,10 +106,12 @@ impl<const D: usize> Level<D> {
             energies.push((sums.matrix.trace(), sums.moments.weight));
         })?;
         let camera = observation.camera.as_ref();
-        let subset = stratified_cells(mesh, &project_nodes::<D>(mesh, camera, None));
+        let nodes = project_nodes::<D>(mesh, camera, None);
+        let subset = stratified_cells(mesh, &nodes);
+        let textures = cell_textures(mesh, &observation, &energies, &nodes);
         match &settings.smoothing {
-            None => dofs.check_texture(&flat_cells(&energies), &observation.quadrature)?,
-            Some(Smoothing::Curvature(_)) => dofs.check_texture_of_parts(&flat_cells(&energies))?,
+            None => dofs.check_texture(&flat_cells(&energies, &observation), &observation.quadrature)?,
+            Some(Smoothing::Curvature(_)) => dofs.check_texture_of_parts(&flat_cells(&energies, &observation))?,
             Some(Smoothing::Gradient { .. }) => {}
         }
         let mut penalty = None;
@@ -106,8 +128,11 @@ impl<const D: usize> Level<D> {
             hessian.add_scaled(factor, smoothing.matrix());
             penalty = Some((smoothing, factor));
         }
+        if settings.observation.mask.is_some() || settings.observation.full_scale.is_some() {
+            hold_weak_nodes(dofs, &mut hessian);
+        }
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;
-        Ok(Self { observation, subset, factor, filter: settings.filter, penalty })
+        Ok(Self { observation, textures, subset, factor, filter: settings.filter, penalty })
     }
 
     /// The image term of a deformed image.
@@ -128,13 +153,14 @@ impl<const D: usize> Level<D> {
     pub(crate) fn solve(
         &self,
         dofs: &Dofs<D>,
-        (deformed, brightness): (&Interpolator, Brightness),
+        (deformed, brightness, full_scale): (&Interpolator, Brightness, Option<f32>),
         iterations: &GaussNewton,
         start: Vec<[f64; D]>,
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
-    ) -> Result<Outcome<D>, Error> {
-        let mut image = self.image_term(dofs, deformed, brightness).with_filter(self.filter.as_ref());
+    ) -> Result<LevelSolution<D>, Error> {
+        let term = self.image_term(dofs, deformed, brightness);
+        let mut image = term.with_filter(self.filter.as_ref()).with_full_scale(full_scale);
         image.estimate_gain_offset(&start, &self.subset, monitor)?;
         let mut basis = NodalBasis::new(dofs, &self.factor, &self.observation.quadrature);
         let mut penalty = self.penalty.as_ref().map(|(smoothing, factor)| Penalty {
@@ -146,17 +172,44 @@ impl<const D: usize> Level<D> {
             Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, start, history, monitor),
             None => iterations.run(&mut [&mut image], &mut basis, start, history, monitor),
         };
-        outcome.map_err(|error| dofs.in_user_nodes(error))
+        let outcome = outcome.map_err(|error| dofs.in_user_nodes(error))?;
+        Ok(LevelSolution { outcome, node_blocks: image.node_blocks().to_vec() })
     }
+}
+
+/// Area and texture of each cell, from the trace of its Hessian and its weight.
+fn cell_textures<const D: usize>(
+    mesh: &Mesh,
+    observation: &Observation<D>,
+    energies: &[(f64, f64)],
+    nodes: &[ProjectedPoint],
+) -> Vec<CellTexture> {
+    // Each point adds the sum of its squared shape functions to the trace.
+    let squares = CellType::ALL.map(|cell_type| mean_squared_shapes(cell_type).iter().sum::<f64>());
+    let texture = |(index, &(trace, weight)): (usize, &(f64, f64))| {
+        let cell = mesh.cell(index);
+        let at_nodes = cell.nodes.iter().map(|&node| nodes[node as usize].pixels_per_area::<D>());
+        let pixels_per_area = at_nodes.sum::<f64>() / cell.nodes.len() as f64;
+        let pixels = match observation.quadrature.point_area(index) {
+            Some(_) => observation.full_weights[index] * pixels_per_area,
+            None => observation.full_weights[index],
+        };
+        let gradient = trace / (2.0 * squares[cell.cell_type as usize] * weight * pixels_per_area);
+        CellTexture { pixels, gradient: gradient.sqrt() }
+    };
+    energies.iter().enumerate().map(texture).collect()
 }
 
 /// Cells whose gradient is negligible beside that of the best. Interpolation carries ripples of a texture into the flat part of an
 /// image, which determine nothing. `energies` are the trace of the Hessian and the weight of each cell.
-fn flat_cells(energies: &[(f64, f64)]) -> Vec<bool> {
+fn flat_cells<const D: usize>(energies: &[(f64, f64)], observation: &Observation<D>) -> Vec<bool> {
     let densities: Vec<f64> = energies.iter().map(|&(trace, weight)| trace / weight).collect();
     let mut sorted: Vec<f64> = densities.iter().copied().filter(|density| !density.is_nan()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     // The upper tenth: much of the mesh may be flat.
     let textured = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or_default();
-    densities.into_iter().map(|density| density.is_nan() || density <= FLAT_GRADIENT.powi(2) * textured).collect()
+    let textured = FLAT_GRADIENT.powi(2) * textured;
+    // A cell all of whose points are left out is not flat; one without points is.
+    let is_flat = |(density, &full): (f64, &f64)| if density.is_nan() { full == 0.0 } else { density <= textured };
+    densities.into_iter().zip(&observation.full_weights).map(is_flat).collect()
 }

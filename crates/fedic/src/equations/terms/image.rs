@@ -5,22 +5,23 @@ use fedic_mesh::{MAX_NODES, Mesh};
 
 use crate::equations::basis::Basis;
 use crate::equations::normal_equations::{CellEquations, CellShare, NormalEquations};
-use crate::equations::term::{Term, TermReport};
+use crate::equations::term::{CellAgreement, Term, TermReport};
 use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::kernels::cell_matrix::CellMatrix;
 use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, weighted_residuals};
 use crate::observation::cell_context::{CellContext, linear_sensitivity};
-use crate::observation::deformed_pass::{DeformedCell, read_deformed};
+use crate::observation::deformed_pass::{DeformedCell, Exclusion, read_deformed};
 use crate::observation::material_filter::{MaterialFilter, corrected_moments};
-use crate::observation::observe::Observation;
+use crate::observation::observe::{Observation, add_node_blocks};
 use crate::observation::photometry::{FLAT, GainOffset, Moments};
+use crate::observation::used_points::{UsedPoints, saturated_from};
 use crate::observation::workspace::Workspace;
 use crate::parallel::for_each_in_order;
 use crate::projection::cell_projection::CellProjection;
 use crate::projection::polynomial_basis::PolynomialBasis;
 use crate::projection::projected_points::{ProjectedPoint, project_nodes};
-use crate::{Brightness, Error, Monitor};
+use crate::{Brightness, Error, Monitor, SolveError};
 
 /// Motion in pixels up to which the polynomials of the cells are not compared with the camera again.
 const UNCHECKED_MOTION: f64 = 1.0;
@@ -40,6 +41,11 @@ pub(crate) struct ImageTerm<'a, const D: usize> {
     /// Nodes at the displacement assembled last.
     nodes: Vec<ProjectedPoint>,
     polynomials: AcceptedPolynomials,
+    /// Grey level from which on a point of the deformed image is saturated.
+    saturated: Option<f32>,
+    used_points: UsedPoints,
+    /// Block of each node on the diagonal of the Hessian assembled last; `None` before the first.
+    node_blocks: Option<Vec<[[f64; D]; D]>>,
 }
 
 /// Cells whose polynomial was found accurate, and the motion since.
@@ -66,8 +72,10 @@ struct CellResult<S> {
     /// Sum of `w r^2`.
     squares: f64,
     moments: Moments,
+    agreement: CellAgreement,
     accepted: bool,
-    outside: bool,
+    /// Points without weight, if there are any.
+    unused: Option<Box<[bool]>>,
 }
 
 impl<'a, const D: usize> ImageTerm<'a, D> {
@@ -88,12 +96,21 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             gain_offset: GainOffset::IDENTITY,
             nodes: Vec::new(),
             polynomials: AcceptedPolynomials::default(),
+            saturated: None,
+            used_points: UsedPoints::default(),
+            node_blocks: None,
         }
     }
 
     /// Smooths both images by the same filter on the material.
     pub(crate) fn with_filter(mut self, filter: Option<&'a MaterialFilter<D>>) -> Self {
         self.filter = filter;
+        self
+    }
+
+    /// Leaves out the saturated points of a deformed image that reaches this full scale.
+    pub(crate) fn with_full_scale(mut self, full_scale: Option<f32>) -> Self {
+        self.saturated = full_scale.map(saturated_from);
         self
     }
 
@@ -106,6 +123,11 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
     /// Gain and offset over the mesh, as found last, of grey levels counted from zero.
     pub(crate) fn gain_offset(&self) -> GainOffset {
         self.gain_offset.counted_from_zero(f64::from(self.observation.grey_origin))
+    }
+
+    /// Block of each node on the diagonal of the Hessian over the points used last.
+    pub(crate) fn node_blocks(&self) -> &[[[f64; D]; D]] {
+        self.node_blocks.as_deref().unwrap_or(&self.observation.node_blocks)
     }
 
     /// Estimates gain and offset over the mesh from some of its cells.
@@ -135,7 +157,8 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
                 let next = CellPrefetch::new(self.deformed, self.mesh, cells.get(index + 1).copied(), &nodes);
                 let projection = CellProjection::new(self.mesh, cell, &nodes, self.observation.camera.as_ref());
                 let context = self.context(cell, projection);
-                read_deformed(self.observation, self.deformed, workspace, &context, next.as_ref()).moments
+                read_deformed(self.observation, self.deformed, workspace, &context, self.exclusion(cell), next.as_ref())
+                    .moments
             },
             |_, cell| moments.add(&cell),
         )?;
@@ -155,6 +178,10 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         monitor: &dyn Monitor,
     ) -> Result<TermReport, Error> {
         self.assemble(displacement, basis, &mut basis.equations(false), monitor)
+    }
+
+    fn exclusion(&self, cell: usize) -> Exclusion<'_> {
+        Exclusion { saturated: self.saturated, points: self.used_points.excluded(cell) }
     }
 
     fn context<'b>(&'b self, cell: usize, projection: CellProjection<'b, D>) -> CellContext<'b, D> {
@@ -205,9 +232,11 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         };
         let next = CellPrefetch::new(self.deformed, mesh, next, nodes);
         let context = self.context(cell, projection);
-        let DeformedCell { mut moments, outside } =
-            read_deformed(observation, self.deformed, workspace, &context, next.as_ref());
-        let part = if outside { moments.weight / observation.moments[cell].weight } else { 1.0 };
+        let exclusion = self.exclusion(cell);
+        let DeformedCell { mut moments, unused } =
+            read_deformed(observation, self.deformed, workspace, &context, exclusion, next.as_ref());
+        let of_reference = observation.moments[cell].weight;
+        let part = if unused.is_some() && of_reference > 0.0 { moments.weight / of_reference } else { 1.0 };
         let correction = filter.and_then(|filter| filter.cell(mesh, cell, nodes));
         correction.iter().for_each(|correction| moments = corrected_moments(moments, correction, part));
         next.iter().for_each(CellPrefetch::prefetch_lower_half);
@@ -226,7 +255,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             observation.exact_sensitivities(mesh, workspace, cell);
         }
         let Workspace { projector, points: buffers, weighted, .. } = workspace;
-        let weights = if outside { Some(&*buffers.weights) } else { samples.weights };
+        let weights = if unused.is_some() { Some(&*buffers.weights) } else { samples.weights };
         context.for_each_chunk(&mut projector.shapes, |chunk, points| {
             let weights = weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
             if let Some(jacobian) = jacobian {
@@ -257,12 +286,20 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             }
             squares = (squares - part * correction.squares).max(0.0);
         }
+        let (scatter, correlation) = moments.regression(squares, gain_offset);
         CellResult {
             share: CellEquations { sums, matrix },
             squares,
             moments,
+            agreement: CellAgreement {
+                residual: (squares / moments.weight).sqrt(),
+                scatter,
+                correlation,
+                used: moments.weight / observation.full_weights[cell],
+                is_partial: unused.is_some(),
+            },
             accepted: context.projection.polynomial.is_some(),
-            outside,
+            unused,
         }
     }
 }
@@ -282,8 +319,9 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
         };
         let pass = Pass { with_hessian: equations.hessian.is_some(), filter };
         let num_cells = self.subset.map_or(self.mesh.num_cells(), <[usize]>::len);
-        let mut report = TermReport { cell_residuals: Vec::with_capacity(num_cells), ..TermReport::default() };
-        let mut accepted = Vec::with_capacity(num_cells);
+        let mut report = TermReport { cells: Vec::with_capacity(num_cells), ..TermReport::default() };
+        let (mut accepted, mut unused) = (Vec::with_capacity(num_cells), Vec::with_capacity(num_cells));
+        let mut node_blocks = pass.with_hessian.then(|| vec![[[0.0; D]; D]; self.mesh.num_nodes()]);
         let mut moments = Moments::default();
         let cell_at = |index: usize| self.subset.map_or(index, |cells| cells[index]);
         for_each_in_order(
@@ -291,43 +329,60 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
             monitor,
             |workspace: &mut Workspace<D>, index, _| {
                 let cell = cell_at(index);
-                let result = self.evaluate_cell(workspace, index, cell, &nodes, pass);
-                let share: CellShare<D> = basis.reduce(self.mesh.cell(cell).nodes, result.share);
-                CellResult {
-                    share,
-                    squares: result.squares,
-                    moments: result.moments,
-                    accepted: result.accepted,
-                    outside: result.outside,
-                }
+                let CellResult { share, squares, moments, agreement, accepted, unused } =
+                    self.evaluate_cell(workspace, index, cell, &nodes, pass);
+                let of_cell = self.mesh.cell(cell).nodes;
+                let blocks = share
+                    .matrix
+                    .as_ref()
+                    .map(|matrix| (0..of_cell.len()).map(|a| matrix.node_block(a)).collect::<Vec<_>>());
+                let share: (CellShare<D>, _) = (basis.reduce(of_cell, share), blocks);
+                CellResult { share, squares, moments, agreement, accepted, unused }
             },
             |index, result| {
                 let cell = cell_at(index);
-                basis.add_cell(cell, &result.share, equations);
+                let (share, blocks) = &result.share;
+                basis.add_cell(cell, share, equations);
+                if let (Some(sums), Some(blocks)) = (&mut node_blocks, blocks) {
+                    add_node_blocks(self.mesh.cell(cell).nodes, blocks, sums);
+                }
                 moments.add(&result.moments);
                 report.cost += result.squares;
-                report.cell_residuals.push((result.squares / result.moments.weight).sqrt());
+                report.cells.push(result.agreement);
                 accepted.push(result.accepted);
-                if result.outside {
-                    report.outside_cells.push(cell);
-                }
+                unused.push(result.unused);
             },
         )?;
         report.weight = moments.weight;
         let found = self.found_gain_offset(&moments);
         if self.subset.is_none() {
             let std = moments.std_g();
+            if moments.weight == 0.0 {
+                return Err(SolveError::LeftView.into());
+            }
             if std.is_nan() || std <= FLAT {
                 return Err(Error::Flat { which: "deformed", std });
             }
+            self.used_points.update(unused, pass.with_hessian);
             if self.brightness == Brightness::Global {
                 basis.add_material_vector(-1.0, &self.photometric_change(self.gain_offset, found), equations);
             }
+        }
+        if node_blocks.is_some() {
+            self.node_blocks = node_blocks;
         }
         self.gain_offset = found;
         self.polynomials.found = accepted;
         self.nodes = nodes;
         Ok(report)
+    }
+
+    fn needs_hessian(&self) -> bool {
+        self.used_points.needs_hessian()
+    }
+
+    fn has_changed(&self) -> bool {
+        self.used_points.changed_since_hessian()
     }
 
     fn pixel_lengths(&mut self, increment: &[[f64; D]]) -> Option<Vec<f64>> {
@@ -336,7 +391,9 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
             (du * du + dv * dv).sqrt()
         };
         let lengths: Vec<f64> = self.nodes.iter().zip(increment).map(length).collect();
-        self.polynomials.advance(lengths.iter().copied().fold(0.0, f64::max));
+        let largest = lengths.iter().copied().fold(0.0, f64::max);
+        self.polynomials.advance(largest);
+        self.used_points.advance(largest);
         Some(lengths)
     }
 }

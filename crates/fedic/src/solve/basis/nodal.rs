@@ -9,11 +9,16 @@ use crate::equations::dofs::Dofs;
 use crate::equations::normal_equations::{CellEquations, CellShare, Hessian, NormalEquations};
 use crate::quadrature::cell_quadrature::CellQuadrature;
 
+/// Trace of the block of a node, relative to the median, below which the node is held.
+const MIN_TRACE: f64 = 1e-3;
+
 /// Increment of every node in the reference configuration as unknowns, solved for with a sparse factor.
 pub(crate) struct NodalBasis<'a, const D: usize> {
     dofs: &'a Dofs<D>,
-    /// Factor used where the equations have no Hessian.
+    /// Factor used until the equations have a Hessian.
     factor: &'a Factor,
+    /// Factor of the last Hessian.
+    renewed: Option<Factor>,
     /// Quadrature of an observation; names the poorest cell if the equations are singular.
     quadrature: &'a CellQuadrature,
     deformation: NodalDeformation<D>,
@@ -22,7 +27,7 @@ pub(crate) struct NodalBasis<'a, const D: usize> {
 impl<'a, const D: usize> NodalBasis<'a, D> {
     /// The basis at no displacement.
     pub(crate) fn new(dofs: &'a Dofs<D>, factor: &'a Factor, quadrature: &'a CellQuadrature) -> Self {
-        Self { dofs, factor, quadrature, deformation: NodalDeformation::none(dofs.mesh.num_nodes()) }
+        Self { dofs, factor, renewed: None, quadrature, deformation: NodalDeformation::none(dofs.mesh.num_nodes()) }
     }
 }
 
@@ -72,15 +77,29 @@ impl<const D: usize> Basis<D> for NodalBasis<'_, D> {
         }
     }
 
-    fn solve(&self, equations: NormalEquations) -> Result<Vec<[f64; D]>, SolveError> {
+    fn solve(&mut self, equations: NormalEquations) -> Result<Vec<[f64; D]>, SolveError> {
         let mut increment = equations.right_hand_side;
-        match equations.hessian {
-            Some(Hessian::Sparse(hessian)) => {
-                self.dofs.factorize(&hessian, false, self.quadrature)?.solve(&mut increment);
-            }
-            _ => self.factor.solve(&mut increment),
+        if let Some(Hessian::Sparse(mut hessian)) = equations.hessian {
+            hold_weak_nodes(self.dofs, &mut hessian);
+            self.renewed = Some(self.dofs.factorize(&hessian, false, self.quadrature)?);
         }
+        self.renewed.as_ref().unwrap_or(self.factor).solve(&mut increment);
         self.deformation.push_forward(&mut increment);
         Ok(increment.as_chunks::<D>().0.to_vec())
+    }
+}
+
+/// Adds to the diagonal of nodes that hardly any point determines, so that their increments are small.
+///
+/// The solution does not change: the right-hand side is the same.
+pub(crate) fn hold_weak_nodes<const D: usize>(dofs: &Dofs<D>, hessian: &mut SymmetricMatrix) {
+    let traces: Vec<f64> =
+        (0..dofs.mesh.num_nodes()).map(|node| hessian.node_diagonal(&dofs.pattern, node).sum()).collect();
+    let mut sorted: Vec<f64> = traces.iter().copied().filter(|&trace| trace > 0.0).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let Some(median) = sorted.get(sorted.len() / 2) else { return };
+    let weak = MIN_TRACE * median;
+    for (node, _) in traces.iter().enumerate().filter(|(_, trace)| **trace < weak) {
+        hessian.add_to_node_diagonal(&dofs.pattern, node, weak / D as f64);
     }
 }

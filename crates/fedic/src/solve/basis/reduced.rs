@@ -118,7 +118,7 @@ impl<M: Modes<D>, const D: usize> Basis<D> for ReducedBasis<'_, M, D> {
         }
     }
 
-    fn solve(&self, equations: NormalEquations) -> Result<Vec<[f64; D]>, SolveError> {
+    fn solve(&mut self, equations: NormalEquations) -> Result<Vec<[f64; D]>, SolveError> {
         let undetermined = || SolveError::UndeterminedParameters { parameters: self.modes.len() };
         let Some(Hessian::Dense(mut hessian)) = equations.hessian else { return Err(undetermined()) };
         for k in 0..hessian.nrows() {

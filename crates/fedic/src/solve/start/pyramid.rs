@@ -10,6 +10,7 @@ use crate::equations::dofs::Dofs;
 use crate::equations::terms::laplacian::Laplacian;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::observe::ObservationSettings;
+use crate::observation::pixel_mask::PixelMask;
 use crate::projection::projected_points::{pixel_bounds, project_nodes};
 use crate::results::solution::Iteration;
 use crate::solve::gauss_newton::GaussNewton;
@@ -43,14 +44,19 @@ impl<const D: usize> Pyramid<D> {
         camera: &Arc<dyn Camera>,
         reduced: &Image,
         laplacian: &Arc<Laplacian>,
+        mask: Option<&PixelMask>,
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
+        let mut mask = mask.map(|mask| Arc::new(mask.reduced()));
         let mut levels: Vec<Level<D>> = Vec::new();
         let mut coarser: Vec<Image> = Vec::new();
         for depth in 1..=num_levels(dofs, camera.as_ref()) {
             if depth > 1 {
                 match downsample(coarser.last().unwrap_or(reduced).view()) {
-                    Ok(image) => coarser.push(image),
+                    Ok(image) => {
+                        coarser.push(image);
+                        mask = mask.map(|mask| Arc::new(mask.reduced()));
+                    }
                     Err(_) => break,
                 }
             }
@@ -61,6 +67,8 @@ impl<const D: usize> Pyramid<D> {
                     quadrature: Quadrature::Mesh { rule: Rule::Edges, density: 1.0 },
                     size: [image.width(), image.height()],
                     require_full_coverage: false,
+                    mask: mask.clone(),
+                    full_scale: None,
                 },
                 smoothing: Some(Smoothing::Gradient { laplacian: Arc::clone(laplacian), wavelength: WAVELENGTH }),
                 filter: None,
@@ -70,14 +78,14 @@ impl<const D: usize> Pyramid<D> {
             match Level::new(dofs, scaled, sampler, settings, monitor) {
                 Ok(level) => levels.push(level),
                 // A texture that vanishes in a reduced image ends the pyramid, not the correlation.
-                Err(Error::Flat { .. } | Error::Solve(_)) => break,
+                Err(Error::Flat { .. } | Error::NoUsablePoints | Error::Solve(_)) => break,
                 Err(error) => return Err(error),
             }
         }
         Ok(Self { levels })
     }
 
-    /// Displacement found on the reduced images, from the coarsest to the finest.
+    /// Displacement found on the reduced images, from the coarsest to the finest, starting from `displacement`.
     ///
     /// # Errors
     ///
@@ -87,6 +95,7 @@ impl<const D: usize> Pyramid<D> {
         dofs: &Dofs<D>,
         deformed: ImageView<'_>,
         brightness: Brightness,
+        mut displacement: Vec<[f64; D]>,
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
     ) -> Result<Vec<[f64; D]>, Error> {
@@ -94,7 +103,6 @@ impl<const D: usize> Pyramid<D> {
         for _ in &self.levels {
             images.push(downsample(images.last().map_or(deformed, Image::view))?);
         }
-        let mut displacement = vec![[0.0; D]; dofs.mesh.num_nodes()];
         for (index, (level, image)) in self.levels.iter().zip(&images).enumerate().rev() {
             let interpolator = Interpolator::new(image.view(), INTERPOLATION);
             // A cell of a reduced image has too few points for gain and offset of its own.
@@ -106,9 +114,9 @@ impl<const D: usize> Pyramid<D> {
                 max_iterations: MAX_ITERATIONS,
                 max_increment: image.width().max(image.height()) as f64,
             };
-            let outcome =
-                level.solve(dofs, (&interpolator, brightness), &iterations, displacement, history, monitor)?;
-            displacement = outcome.displacement;
+            let solution =
+                level.solve(dofs, (&interpolator, brightness, None), &iterations, displacement, history, monitor)?;
+            displacement = solution.outcome.displacement;
         }
         Ok(displacement)
     }

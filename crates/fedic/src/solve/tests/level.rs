@@ -37,8 +37,8 @@ fn measure(dofs: &Dofs<PLANE>, images: &[Image; 2], compact: bool) -> [Vec<[f64;
         max_increment: SIZE as f64,
     };
     let start = vec![[0.0; PLANE]; dofs.mesh.num_nodes()];
-    let image = (&deformed, Brightness::Global);
-    let outcome = level.solve(dofs, image, &iterations, start, &mut Vec::new(), &()).unwrap();
+    let image = (&deformed, Brightness::Global, None);
+    let outcome = level.solve(dofs, image, &iterations, start, &mut Vec::new(), &()).unwrap().outcome;
     assert!(outcome.converged);
     let prepared = (&level.observation, &level.factor);
     let deviations = standard_deviations(dofs, prepared, images[0].view(), &options, 2.0, &()).unwrap();

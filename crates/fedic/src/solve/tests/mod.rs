@@ -23,6 +23,8 @@ fn observation_settings(image: &Image) -> ObservationSettings {
         quadrature: Options::default().quadrature,
         size: [image.width(), image.height()],
         require_full_coverage: true,
+        mask: None,
+        full_scale: None,
     }
 }
 
