@@ -13,6 +13,7 @@ from fedic.results.attempt import Attempt
 
 __all__ = ["measure_from_any_start"]
 
+_PYRAMID = "+pyramid"
 _FLAGGED_SHARE = 0.05
 """Largest share of flagged cells of a result that is accepted without another start."""
 _AGREEMENT_SHARE = 0.5
@@ -21,6 +22,8 @@ _AGREEMENT_PX = 0.05
 """Largest difference between two results that agree, at the nodes valid in both."""
 _ITERATIONS = {"zero": 12, "pyramid": 20}
 """Iterations after which a start that need not be near the motion is given up."""
+_ITERATIONS_FROM_MOTION = 6
+"""Iterations after which the start from one motion of the whole mesh is refined by the image pyramid."""
 
 
 def measure_from_any_start(
@@ -62,9 +65,7 @@ def measure_from_any_start(
         if _is_settled(found, name):
             continue
         try:
-            solution = correlator.correlate(
-                images[1], max_iterations=_ITERATIONS.get(name), progress=progress, **arguments
-            )
+            solution = correlator.correlate(images[1], max_iterations=_limit(name), progress=progress, **arguments)
         except SolveError as error:
             failed.append(Attempt(name, False, 0, 1.0, float("nan"), str(error)))
             continue
@@ -80,7 +81,7 @@ def measure_from_any_start(
             "an initial displacement per node."
         )
     attempt, solution = _best(found)
-    if not attempt.converged and attempt.start in _ITERATIONS:
+    if not attempt.converged and _limit(attempt.start) is not None:
         try:
             solution = correlator.correlate(
                 images[1], initial=np.nan_to_num(solution.unchecked_displacement), progress=progress
@@ -108,12 +109,17 @@ def _starts(images: tuple[Image, Image], mesh: Mesh, camera: Camera) -> Iterator
             continue
         if np.isfinite(initial).all():
             yield candidate.name, {"initial": initial}
-            yield f"{candidate.name}+pyramid", {"initial": initial, "pyramid": True}
+            yield candidate.name + _PYRAMID, {"initial": initial, "pyramid": True}
+
+
+def _limit(name: str) -> int | None:
+    """Return the largest number of iterations from a start; None for the option's."""
+    return None if name.endswith(_PYRAMID) else _ITERATIONS.get(name, _ITERATIONS_FROM_MOTION)
 
 
 def _is_settled(found: list[tuple[Attempt, "_core.Solution"]], name: str) -> bool:
     """Tell whether the start that this one refines has converged already."""
-    first = name.removesuffix("+pyramid")
+    first = name.removesuffix(_PYRAMID)
     return first != name and any(attempt.start == first and attempt.converged for attempt, _ in found)
 
 
