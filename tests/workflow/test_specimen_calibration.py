@@ -54,7 +54,8 @@ def scene_images() -> list[Any]:
     motions = (None, (-400.0, -200.0), (300.0, -250.0), (50.0, 400.0))
     world = [None if m is None else (m[0] * MILLIMETRES, -m[1] * MILLIMETRES) for m in motions]
     return [
-        fedic.synthetic.render(texture, Scene().camera, (HEIGHT, WIDTH), displacement=m, levels=LEVELS) for m in world
+        fedic.synthetic.render(texture, Scene().camera, (HEIGHT, WIDTH), displacement=m, levels=LEVELS, supersampling=2)
+        for m in world
     ]
 
 
