@@ -107,7 +107,8 @@ class Scene:
 def scenes(request: Request) -> list[Scene]:
     """Return the synthetic scene and, if an image is given, the real one.
 
-    The synthetic image is rendered for each motion, in a quick run with one sample per pixel; the real one is resampled by Lanczos interpolation.
+    The synthetic image is rendered for each motion, in a quick run with one sample per pixel; the real one is resampled
+    by Lanczos interpolation.
 
     Parameters
     ----------
