@@ -31,8 +31,9 @@ test: test-rust test-python ## Run every test.
 test-rust:
 	cargo test --quiet $(CARGO_TEST)
 
+# One worker per processor: threads of OpenBLAS would only wait for one another.
 test-python: build
-	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 check: build ## Check format, lints, types, stubs and documentation; warnings are errors.
 	cargo fmt --all --check

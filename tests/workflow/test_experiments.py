@@ -85,6 +85,19 @@ def test_interpolation_experiment_supports_the_defaults(gmsh: Any) -> None:
     assert chosen["stretch_error_px"] < bare["stretch_error_px"]
 
 
+def test_strain_does_not_add_to_the_error() -> None:
+    outcome = run_experiment("strain", Request(quick=True))
+    # Quadratic cells at a strain of 20 % need two quadrature points per pixel.
+    missed = {claim.text for claim in outcome.claims if not claim.holds}
+    assert all(text.startswith("quad9 cells of 32 px") and "two quadrature points" not in text for text in missed), (
+        missed
+    )
+    for row in pick(outcome, setting="unfiltered"):
+        (at_rest,) = pick(outcome, setting="unfiltered", cell=row["cell"], angle_deg=row["angle_deg"], strain_percent=0)
+        assert row["rms_px"] < 1.6 * at_rest["rms_px"]
+    assert all(row["converged"] for row in outcome.rows)
+
+
 def test_too_small_images_are_refused(gmsh: Any) -> None:
     with pytest.raises(fedic.ImageError, match=r"at least 300 x 401 px \(columns x rows\), .* this one has 200 x 160"):
         run_experiment("fig7", Request(quick=True, image=np.zeros((160, 200), dtype=np.uint8)))

@@ -141,7 +141,7 @@ def test_convergence_experiment_holds_its_claims(convergence: Outcome) -> None:
 
 def test_scenes_move_by_their_stated_displacement() -> None:
     """The measured displacement of a rotated image is that of the scene."""
-    scene = scenes(Request())[0]
+    scene = scenes(Request(quick=True))[0]
     motion = Motion("rotation", 3.0)
     mesh = scene.mesh(20, "quad")
     result = fedic.correlate(scene.reference, scene.moved(motion), mesh, initial="pyramid")

@@ -1,40 +1,25 @@
 """Rotations and strains of any size: number of iterations, and the error that smoothing leaves."""
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import fedic
+from fedic.experiments.waves import Waves
 
 Floats = NDArray[np.float64]
 SIZE = 300
 CENTRE = np.array([0.5 * SIZE, 0.5 * SIZE])
 
 
-class Waves:
-    """An analytic texture of 60 plane waves of 4.5 px and longer."""
-
-    def __init__(self) -> None:
-        rng = np.random.default_rng(4)
-        length, angle = rng.uniform(4.5, 14.0, 60), rng.uniform(0.0, 2.0 * np.pi, 60)
-        self.vectors = 2.0 * np.pi / length[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-        self.phases = rng.uniform(0.0, 2.0 * np.pi, 60)
-
-    def __call__(self, points: Floats) -> Floats:
-        grey = np.full(points.shape[:-1], 120.0)
-        for vector, phase in zip(self.vectors, self.phases, strict=True):
-            grey += 7.0 * np.cos(points @ vector + phase)
-        return grey
+WAVES = Waves(4)
 
 
-WAVES = Waves()
-
-
-def image(gradient: Floats) -> NDArray[np.float32]:
-    """Return an image of the texture deformed about the centre."""
-    v, u = np.indices((SIZE, SIZE), dtype=float)
-    points = np.stack([u, v], axis=-1)
-    return WAVES((points - CENTRE) @ np.linalg.inv(gradient).T + CENTRE).astype(np.float32)
+@lru_cache(maxsize=1)
+def reference() -> NDArray[np.float32]:
+    return WAVES.image(SIZE, np.eye(2))
 
 
 def turned(degrees: float, stretch: float = 0.0) -> Floats:
@@ -49,7 +34,7 @@ def measured(gradient: Floats, cell: str, size: float, **options: object) -> tup
     points = mesh.points[:, :2]
     truth = (points - CENTRE) @ (gradient - np.eye(2)).T
     start = truth + 0.5 * np.sin(points[:, ::-1] / 40.0)
-    result = fedic.correlate(image(np.eye(2)), image(gradient), mesh, initial=start, **options)  # type: ignore[arg-type]
+    result = fedic.correlate(reference(), WAVES.image(SIZE, gradient), mesh, initial=start, **options)  # type: ignore[arg-type]
     return result, result.displacement[:, :2] - truth
 
 

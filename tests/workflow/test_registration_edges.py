@@ -9,8 +9,11 @@ from scenes.placed_plate import BOUNDARY, CAMERAS, FRONT, MESH, PINHOLE, POINTS,
 from scenes.plate import Plate, plate_mesh, signs, wrong
 
 
-@pytest.mark.parametrize("ground", [0.02, 0.5, 0.98], ids=["dark", "mean", "bright"])
-@pytest.mark.parametrize("name", CAMERAS)
+@pytest.mark.parametrize(
+    ("name", "ground"),
+    [("front", 0.02), ("front", 0.5), ("pinhole", 0.5), ("pinhole", 0.98)],
+    ids=["front-dark", "front-mean", "pinhole-mean", "pinhole-bright"],
+)
 def test_a_rendered_plate_is_found_from_wrong_starts(name: str, ground: float) -> None:
     """Measured error of the worst node: 0.5 px with four unknowns, 0.8 px with six; speckles hide the edge."""
     camera, worst = CAMERAS[name], {"front": 0.6, "pinhole": 1.0}[name]

@@ -54,7 +54,8 @@ def scene_images() -> list[Any]:
     motions = (None, (-400.0, -200.0), (300.0, -250.0), (50.0, 400.0))
     world = [None if m is None else (m[0] * MILLIMETRES, -m[1] * MILLIMETRES) for m in motions]
     return [
-        fedic.synthetic.render(texture, Scene().camera, (HEIGHT, WIDTH), displacement=m, levels=LEVELS) for m in world
+        fedic.synthetic.render(texture, Scene().camera, (HEIGHT, WIDTH), displacement=m, levels=LEVELS, supersampling=2)
+        for m in world
     ]
 
 
@@ -94,22 +95,22 @@ def test_the_lens_found_on_the_specimen_improves_the_next_measurement(scene_imag
 
 
 @pytest.mark.parametrize(
-    ("options", "noise"),
+    ("options", "noise", "draws"),
     [
-        ({}, 2.0),
-        ({"smoothing": 0.0}, 2.0),
-        ({"density": 0.3}, 4.0),
-        ({"motion": "spatial"}, 2.0),
-        ({"images": 1, "motion": "translation"}, 2.0),
+        ({}, 2.0, 40),
+        ({"smoothing": 0.0}, 2.0, 25),
+        ({"density": 0.3}, 4.0, 25),
+        ({"motion": "spatial"}, 2.0, 25),
+        ({"images": 1, "motion": "translation"}, 2.0, 25),
     ],
 )
 def test_standard_deviations_agree_with_repeated_calibrations(
-    frames: list[NDArray[np.float32]], options: dict[str, Any], noise: float
+    frames: list[NDArray[np.float32]], options: dict[str, Any], noise: float, draws: int
 ) -> None:
     options = dict(options)
     count = options.pop("images", len(MOTIONS))
     mesh, scores, deviations, noises = specimen(), [], [], []
-    for draw in range(40):
+    for draw in range(draws):
         noisy = [
             fedic.synthetic.add_noise(frame, noise=noise, seed=100 * draw + k)
             for k, frame in enumerate(frames[: count + 1])
@@ -122,7 +123,7 @@ def test_standard_deviations_agree_with_repeated_calibrations(
         scores.append(error / deviations[-1])
         noises.append(found.noise)
     assert (np.abs(scores) < 3.0).mean(axis=0).min() >= 0.95
-    # The sample standard deviation of 40 draws is accurate to 11 %.
+    # The sample standard deviation of 40 draws is accurate to 11 %, of 25 draws to 14 %.
     assert_allclose(np.std(scores, axis=0), 1.0, atol=0.3)
     assert np.mean(noises) == pytest.approx(noise, rel=0.05)
 

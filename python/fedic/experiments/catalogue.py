@@ -21,6 +21,7 @@ EXPERIMENTS = (
     "distortion",
     "specimen",
     "splines",
+    "strain",
 )
 """Names, in the order of the report."""
 

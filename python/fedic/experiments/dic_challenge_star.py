@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +84,7 @@ def period_at(columns: Floats) -> Floats:
     return _SHORTEST_PERIOD + _PERIOD_SLOPE * columns
 
 
+@lru_cache(maxsize=1)
 def synthetic_star(*, quick: bool) -> Star:
     """Render a pair similar to the real one.
 

@@ -13,7 +13,7 @@ from fedic._core import BrownDistortion, Mesh
 from fedic._internal.types import CellName, Floats
 from fedic.demo.measurement import Measurement
 from fedic.demo.scene import FOCAL, MILLIMETRES, RADIAL, ImagePair, Scene
-from fedic.experiments.lens import ignored_distortion
+from fedic.experiments.lens import SENSOR, ignored_distortion
 from fedic.experiments.lens_errors import average_errors, measure, rounding_bound
 from fedic.experiments.option_sets import DEFAULT, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
@@ -25,8 +25,6 @@ __all__ = ["run"]
 SIZE = 20
 CELL: CellName = "quad"
 SETTINGS = (UNFILTERED, DEFAULT)
-SENSOR = (340, 240, 1160, 860)
-"""Part of the paper's sensor around the mesh in both images."""
 PIXEL_MOTION = (-400.3, -200.6)
 """Motion in pixels, not whole: undistorted images would otherwise be identical, including their rounding."""
 WIDE_FOCAL = 1400.0

@@ -5,8 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fedic._internal.types import CellName
-from fedic.demo.scene import Scene
-from fedic.experiments.lens import rounding_floor, textures
+from fedic.experiments.lens import SCENE, rounding_floor, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
 from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
@@ -39,7 +38,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over setting, quadrature, depth, cell and size.
     """
-    scene = Scene()
+    scene = SCENE
     fine = textures(TEXTURES)
     depths = ((8, [pair.rounded() for pair in fine]), (16, fine[:1]))
     coarse = depths[0][1]

@@ -11,7 +11,7 @@ from fedic._core import Mesh
 from fedic._internal.types import CellName
 from fedic.correlation import Correlator
 from fedic.demo.scene import ImagePair, Scene
-from fedic.experiments.lens import textures
+from fedic.experiments.lens import SCENE, textures
 from fedic.experiments.lens_errors import measure_pairs, rounding_bound
 from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
@@ -54,7 +54,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over cell, setting, rule and number of points.
     """
-    scene = Scene()
+    scene = SCENE
     fine = textures(QUICK_TEXTURES if request.quick else TEXTURES)
     pairs = [pair.rounded() for pair in fine]
     ratios = QUICK_RATIOS if request.quick else RATIOS

@@ -6,7 +6,7 @@ from fedic._core import Mesh
 from fedic._internal.types import CellName, Floats
 from fedic.demo.measurement import Measurement
 from fedic.demo.scene import ImagePair, Scene
-from fedic.experiments.lens import ignored_distortion, rounding_floor, textures
+from fedic.experiments.lens import SCENE, ignored_distortion, rounding_floor, textures
 from fedic.experiments.lens_errors import average_errors, measure, rounding_bound
 from fedic.experiments.option_sets import DEFAULT, PAPER, UNFILTERED, OptionSet
 from fedic.experiments.outcome import Claim, Outcome, Request, Row
@@ -37,7 +37,7 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over setting, depth and quadrature; maps of the first texture in the default and the paper's setting.
     """
-    scene = Scene()
+    scene = SCENE
     fine = textures(QUICK_TEXTURES if request.quick else TEXTURES)
     coarse = [pair.rounded() for pair in fine]
     mesh = window_mesh(scene.window, SIZE, CELL)

@@ -8,10 +8,14 @@ from fedic._core import Mesh
 from fedic._internal.types import Floats
 from fedic.demo.scene import ImagePair, Scene
 
-__all__ = ["ROUNDING", "ignored_distortion", "rounding_floor", "textures"]
+__all__ = ["ROUNDING", "SCENE", "SENSOR", "ignored_distortion", "rounding_floor", "textures"]
 
 ROUNDING = 1.0 / np.sqrt(12.0)
 """Standard deviation of the rounding to whole grey levels."""
+SENSOR = (340, 240, 1160, 860)
+"""Part of the paper's sensor around the mesh in both images."""
+SCENE = Scene(sensor=SENSOR)
+"""The paper's scene, of which only that part is rendered."""
 
 
 def ignored_distortion(scene: Scene, mesh: Mesh) -> Floats:
@@ -58,7 +62,7 @@ def rounding_floor(scene: Scene, pair: ImagePair) -> Floats:
 
 @lru_cache(maxsize=8)
 def _texture(seed: int) -> ImagePair:
-    return Scene().pair(seed)
+    return SCENE.pair(seed)
 
 
 def textures(count: int) -> list[ImagePair]:

@@ -107,7 +107,8 @@ class Scene:
 def scenes(request: Request) -> list[Scene]:
     """Return the synthetic scene and, if an image is given, the real one.
 
-    The synthetic image is rendered for each motion; the real one is resampled by Lanczos interpolation.
+    The synthetic image is rendered for each motion, in a quick run with one sample per pixel; the real one is resampled
+    by Lanczos interpolation.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def scenes(request: Request) -> list[Scene]:
     list of Scene
         The synthetic one first.
     """
-    found = [_synthetic()]
+    found = [_synthetic(1 if request.quick else 2)]
     if request.image is not None:
         real = reference_images(request)[-1]
         corner = (real.left + _CORNER[0], real.top + _CORNER[1])
@@ -131,7 +132,7 @@ def _middle(corner: tuple[float, float]) -> Floats:
     return np.array([corner[0] + _WIDTH / 2, corner[1] + _HEIGHT / 2])
 
 
-def _synthetic() -> Scene:
+def _synthetic(supersampling: int) -> Scene:
     shape = (round(_HEIGHT) + 2 * _MARGIN, round(_WIDTH) + 2 * _MARGIN)
     corner = (_MARGIN + _CORNER[0], _MARGIN + _CORNER[1])
     centre = _middle(corner)
@@ -142,7 +143,9 @@ def _synthetic() -> Scene:
             there: Floats = (points - centre) @ gradient.T + translation
             return there
 
-        return render(texture, ImageFrame(), shape, displacement=displacement, supersampling=2, levels=LEVELS)
+        return render(
+            texture, ImageFrame(), shape, displacement=displacement, supersampling=supersampling, levels=LEVELS
+        )
 
     return Scene("synthetic", moved(np.zeros((2, 2)), np.zeros(2)), corner, moved)
 

@@ -88,9 +88,8 @@ def run(request: Request) -> Outcome:
     Outcome
         Rows over star, group, variant, cell and size.
     """
-    stars = [synthetic_star(quick=request.quick)]
-    if request.star is not None:
-        stars.append(real_star(request.star))
+    given = [] if request.star is None else [real_star(request.star)]
+    stars = [synthetic_star(quick=request.quick), *given]
     tasks = [task for star in stars for task in _tasks(star, request.quick, everything=star is stars[-1])]
     found: list[Measured] = []
     for task in tasks:
