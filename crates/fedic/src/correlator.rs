@@ -347,7 +347,7 @@ impl Correlator {
                     Start::PyramidFrom(field) => self.dofs.restrict(field)?,
                     _ => vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()],
                 };
-                self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, field, &mut history, monitor)?
+                self.pyramid(monitor)?.start(&self.dofs, deformed, brightness, &field, &mut history, monitor)?
             }
         };
         let interpolator = self.prepare(deformed)?;
@@ -363,7 +363,7 @@ impl Correlator {
             max_increment: self.size[0].max(self.size[1]) as f64,
         };
         let image = (&interpolator, brightness, deformed.full_scale());
-        let mut solution = self.level.solve(&self.dofs, image, &iterations, field, &mut history, monitor)?;
+        let mut solution = self.level.solve(&self.dofs, image, &iterations, (field, &[]), &mut history, monitor)?;
         if self.size[0] * self.size[1] <= MAX_KEPT_PIXELS {
             *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
         }

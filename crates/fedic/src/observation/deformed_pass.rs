@@ -9,6 +9,10 @@ use crate::observation::observe::Observation;
 use crate::observation::photometry::{Moments, change_origin};
 use crate::observation::used_points::is_too_few;
 use crate::observation::workspace::{UnsharedShapeTable, Workspace};
+use crate::projection::projected_points::{ProjectedPoint, pixel_bounds};
+
+/// Distance, in standard deviations, up to which a smoothing reaches.
+const SMOOTHING_REACH: f64 = 3.0;
 
 /// Moments of both images over a cell.
 pub(crate) struct DeformedCell {
@@ -24,6 +28,22 @@ pub(crate) struct Exclusion<'a> {
     pub(crate) saturated: Option<f32>,
     /// Points of the cell that are left out.
     pub(crate) points: Option<&'a [bool]>,
+    /// Corners `(u, v)` of the rectangle outside which the smoothing reaches across the border of the image; `None` for a cell that
+    /// lies inside.
+    pub(crate) interior: Option<[[f64; 2]; 2]>,
+}
+
+/// Rectangle of an image of this size in which a smoothing stays inside it, if some of the points leave it.
+pub(crate) fn interior_of<'a>(
+    size: [usize; 2],
+    smoothing: f64,
+    points: impl Iterator<Item = &'a ProjectedPoint>,
+) -> Option<[[f64; 2]; 2]> {
+    let margin = SMOOTHING_REACH * smoothing - 0.5;
+    let [low, high] = [[margin; 2], size.map(|size| size as f64 - 1.0 - margin)];
+    let [u, v] = pixel_bounds(points);
+    let inside = |axis: usize, [first, last]: [f64; 2]| first >= low[axis] && last <= high[axis];
+    (!(inside(0, u) && inside(1, v))).then_some([low, high])
 }
 
 /// Evaluates the deformed image at the points of a cell.
@@ -45,10 +65,16 @@ pub(crate) fn read_deformed<const D: usize>(
     let grey = &mut buffers.grey;
     observation.samples.prefetch_gradient(cell);
     context.for_each_projection(projector, |image_points, points| match image_points {
-        ImagePoints::Near { origin, u, v } => deformed.values_near(origin, u, v, &mut grey[points]),
+        ImagePoints::Near { origin, u, v } => {
+            deformed.values_near(origin, u, v, &mut grey[points.clone()]);
+            let [column, row] = origin.map(|c| c as f64);
+            let at = |k: usize| [column + f64::from(u[k]), row + f64::from(v[k])];
+            clear_outside(exclusion.interior, at, &mut grey[points]);
+        }
         ImagePoints::Exact(batch) => {
             let [u, v] = batch.pixels();
-            deformed.values(u, v, &mut grey[points]);
+            deformed.values(u, v, &mut grey[points.clone()]);
+            clear_outside(exclusion.interior, |k| [u[k], v[k]], &mut grey[points]);
         }
     });
     if let Some(level) = exclusion.saturated {
@@ -89,6 +115,17 @@ pub(crate) fn read_deformed<const D: usize>(
     let [g, gg] = cell_moments(context, shapes, &buffers.grey, weights, weight, origin);
     let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| samples.scale * sum);
     DeformedCell { moments: Moments { weight, f, ff, g, gg }, unused: Some(unused) }
+}
+
+/// Makes the grey levels of points outside a rectangle NaN; `at` gives the image point of each.
+fn clear_outside(interior: Option<[[f64; 2]; 2]>, at: impl Fn(usize) -> [f64; 2], grey: &mut [f32]) {
+    let Some([low, high]) = interior else { return };
+    for (k, grey) in grey.iter_mut().enumerate() {
+        let point = at(k);
+        if (0..2).any(|axis| point[axis] < low[axis] || point[axis] > high[axis]) {
+            *grey = f32::NAN;
+        }
+    }
 }
 
 /// Weighted sum of grey levels counted from `origin`, and of their squares, over the points of a cell whose weights add up to

@@ -78,6 +78,11 @@ impl<const D: usize> MaterialFilter<D> {
         Self { smoothing, source, prepared: OnceLock::new() }
     }
 
+    /// Standard deviation of the smoothing, in pixels.
+    pub(crate) fn smoothing(&self) -> f64 {
+        self.smoothing
+    }
+
     /// Prepares the correction if a field of this relative change of length needs it, and returns whether it does.
     ///
     /// # Errors

@@ -145,7 +145,8 @@ impl<const D: usize> Level<D> {
         ImageTerm::new(&dofs.mesh, &self.observation, deformed, brightness)
     }
 
-    /// Minimises the image term of a deformed image, and the penalty if there is one, from `start` on.
+    /// Minimises the image term of a deformed image, and the penalty if there is one, from `start` on. A penalty on the gradient is that
+    /// of the difference from `rest`.
     ///
     /// # Errors
     ///
@@ -155,7 +156,7 @@ impl<const D: usize> Level<D> {
         dofs: &Dofs<D>,
         (deformed, brightness, full_scale): (&Interpolator, Brightness, Option<f32>),
         iterations: &GaussNewton,
-        start: Vec<[f64; D]>,
+        (start, rest): (Vec<[f64; D]>, &[[f64; D]]),
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
     ) -> Result<LevelSolution<D>, Error> {
@@ -167,6 +168,8 @@ impl<const D: usize> Level<D> {
             dofs,
             matrix: smoothing.matrix(),
             factor: *factor,
+            // A penalty on the gradient would turn back a rotation that is known already.
+            rest: matches!(smoothing, Smoothing::Gradient { .. }).then(|| rest.to_vec()),
         });
         let outcome = match &mut penalty {
             Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, start, history, monitor),

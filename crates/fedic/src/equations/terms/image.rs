@@ -11,7 +11,7 @@ use crate::kernels::cell_matrix::CellMatrix;
 use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, weighted_residuals};
 use crate::observation::cell_context::{CellContext, linear_sensitivity};
-use crate::observation::deformed_pass::{DeformedCell, Exclusion, read_deformed};
+use crate::observation::deformed_pass::{DeformedCell, Exclusion, interior_of, read_deformed};
 use crate::observation::material_filter::{MaterialFilter, corrected_moments};
 use crate::observation::observe::{Observation, add_node_blocks};
 use crate::observation::photometry::{FLAT, GainOffset, Moments};
@@ -43,6 +43,8 @@ pub(crate) struct ImageTerm<'a, const D: usize> {
     polynomials: AcceptedPolynomials,
     /// Grey level from which on a point of the deformed image is saturated.
     saturated: Option<f32>,
+    /// Standard deviation of the smoothing of the deformed image, in pixels.
+    smoothing: f64,
     used_points: UsedPoints,
     /// Block of each node on the diagonal of the Hessian assembled last; `None` before the first.
     node_blocks: Option<Vec<[[f64; D]; D]>>,
@@ -97,6 +99,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             nodes: Vec::new(),
             polynomials: AcceptedPolynomials::default(),
             saturated: None,
+            smoothing: 0.0,
             used_points: UsedPoints::default(),
             node_blocks: None,
         }
@@ -105,6 +108,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
     /// Smooths both images by the same filter on the material.
     pub(crate) fn with_filter(mut self, filter: Option<&'a MaterialFilter<D>>) -> Self {
         self.filter = filter;
+        self.smoothing = filter.map_or(0.0, MaterialFilter::smoothing);
         self
     }
 
@@ -157,8 +161,15 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
                 let next = CellPrefetch::new(self.deformed, self.mesh, cells.get(index + 1).copied(), &nodes);
                 let projection = CellProjection::new(self.mesh, cell, &nodes, self.observation.camera.as_ref());
                 let context = self.context(cell, projection);
-                read_deformed(self.observation, self.deformed, workspace, &context, self.exclusion(cell), next.as_ref())
-                    .moments
+                read_deformed(
+                    self.observation,
+                    self.deformed,
+                    workspace,
+                    &context,
+                    self.exclusion(cell, &nodes),
+                    next.as_ref(),
+                )
+                .moments
             },
             |_, cell| moments.add(&cell),
         )?;
@@ -180,8 +191,14 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         self.assemble(displacement, basis, &mut basis.equations(false), monitor)
     }
 
-    fn exclusion(&self, cell: usize) -> Exclusion<'_> {
-        Exclusion { saturated: self.saturated, points: self.used_points.excluded(cell) }
+    fn exclusion(&self, cell: usize, nodes: &[ProjectedPoint]) -> Exclusion<'_> {
+        let size = [self.deformed.width(), self.deformed.height()];
+        let of_cell = self.mesh.cell(cell).nodes.iter().map(|&node| &nodes[node as usize]);
+        Exclusion {
+            saturated: self.saturated,
+            points: self.used_points.excluded(cell),
+            interior: interior_of(size, self.smoothing, of_cell),
+        }
     }
 
     fn context<'b>(&'b self, cell: usize, projection: CellProjection<'b, D>) -> CellContext<'b, D> {
@@ -232,7 +249,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         };
         let next = CellPrefetch::new(self.deformed, mesh, next, nodes);
         let context = self.context(cell, projection);
-        let exclusion = self.exclusion(cell);
+        let exclusion = self.exclusion(cell, nodes);
         let DeformedCell { mut moments, unused } =
             read_deformed(observation, self.deformed, workspace, &context, exclusion, next.as_ref());
         let of_reference = observation.moments[cell].weight;

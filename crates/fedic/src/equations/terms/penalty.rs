@@ -8,12 +8,14 @@ use crate::equations::normal_equations::NormalEquations;
 use crate::equations::term::{Term, TermReport};
 use crate::{Error, Monitor};
 
-/// The penalty `factor / 2 U^T R U` of the displacement `U`.
+/// The penalty `factor / 2 (U - U0)^T R (U - U0)` of the displacement `U`.
 pub(crate) struct Penalty<'a, const D: usize> {
     pub(crate) dofs: &'a Dofs<D>,
     /// Matrix `R` on the pattern of `dofs`.
     pub(crate) matrix: &'a SymmetricMatrix,
     pub(crate) factor: f64,
+    /// Displacement `U0` without penalty; `None` for zero.
+    pub(crate) rest: Option<Vec<[f64; D]>>,
 }
 
 impl<const D: usize> Term<D> for Penalty<'_, D> {
@@ -24,6 +26,11 @@ impl<const D: usize> Term<D> for Penalty<'_, D> {
         equations: &mut NormalEquations,
         _monitor: &dyn Monitor,
     ) -> Result<TermReport, Error> {
+        let mut displacement = displacement.to_vec();
+        if let Some(rest) = &self.rest {
+            let each = displacement.as_flattened_mut().iter_mut().zip(rest.as_flattened());
+            each.for_each(|(u, rest)| *u -= rest);
+        }
         let displacement = displacement.as_flattened();
         let gradient = self.matrix.multiply(&self.dofs.pattern, displacement);
         basis.add_vector(-self.factor, &gradient, equations);

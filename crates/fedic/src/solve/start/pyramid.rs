@@ -85,7 +85,8 @@ impl<const D: usize> Pyramid<D> {
         Ok(Self { levels })
     }
 
-    /// Displacement found on the reduced images, from the coarsest to the finest, starting from `displacement`.
+    /// Displacement found on the reduced images, from the coarsest to the finest, starting from the displacement `rest`, from which the
+    /// smoothness is counted.
     ///
     /// # Errors
     ///
@@ -95,10 +96,11 @@ impl<const D: usize> Pyramid<D> {
         dofs: &Dofs<D>,
         deformed: ImageView<'_>,
         brightness: Brightness,
-        mut displacement: Vec<[f64; D]>,
+        rest: &[[f64; D]],
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
     ) -> Result<Vec<[f64; D]>, Error> {
+        let mut displacement = rest.to_vec();
         let mut images: Vec<Image> = Vec::new();
         for _ in &self.levels {
             images.push(downsample(images.last().map_or(deformed, Image::view))?);
@@ -114,8 +116,14 @@ impl<const D: usize> Pyramid<D> {
                 max_iterations: MAX_ITERATIONS,
                 max_increment: image.width().max(image.height()) as f64,
             };
-            let solution =
-                level.solve(dofs, (&interpolator, brightness, None), &iterations, displacement, history, monitor)?;
+            let solution = level.solve(
+                dofs,
+                (&interpolator, brightness, None),
+                &iterations,
+                (displacement, rest),
+                history,
+                monitor,
+            )?;
             displacement = solution.outcome.displacement;
         }
         Ok(displacement)

@@ -38,7 +38,7 @@ fn measure(dofs: &Dofs<PLANE>, images: &[Image; 2], compact: bool) -> [Vec<[f64;
     };
     let start = vec![[0.0; PLANE]; dofs.mesh.num_nodes()];
     let image = (&deformed, Brightness::Global, None);
-    let outcome = level.solve(dofs, image, &iterations, start, &mut Vec::new(), &()).unwrap().outcome;
+    let outcome = level.solve(dofs, image, &iterations, (start, &[]), &mut Vec::new(), &()).unwrap().outcome;
     assert!(outcome.converged);
     let prepared = (&level.observation, &level.factor);
     let deviations = standard_deviations(dofs, prepared, images[0].view(), &options, 2.0, &()).unwrap();
