@@ -46,6 +46,29 @@ def test_version_is_printed() -> None:
     assert (outcome.exit_code, outcome.output) == (0, f"fedic {fedic.__version__}\n")
 
 
+def test_run_ends_with_status_3_if_a_frame_is_doubtful(folder: Path) -> None:
+    moved = cv2.imread(str(folder / "moved.png"), cv2.IMREAD_GRAYSCALE)
+    assert moved is not None
+    moved[60:100, 80:130] = 10
+    assert cv2.imwrite(str(folder / "moved.png"), moved)
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 3, outcome.output
+    assert "1 of 2 frames did not converge or are doubtful, the first being moved.png" in outcome.output
+    frames = json.loads((folder / "out" / "summary.json").read_text())["frames"]
+    assert [frame["quality"]["good"] for frame in frames] == [False, True]
+    assert frames[0]["quality"]["flagged_cells"]["uncorrelated"] > 0
+    assert not np.load(folder / "out" / "moved.npz")["good"]
+    assert b'Name="good"' in (folder / "out" / "moved.vtu").read_bytes()
+
+
+def test_run_ends_with_status_3_if_a_frame_does_not_converge(folder: Path) -> None:
+    text = (folder / "test.toml").read_text() + '[correlation]\nmax_iterations = 1\ninitial = "zero"\n'
+    (folder / "test.toml").write_text(text)
+    outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
+    assert outcome.exit_code == 3, outcome.output
+    assert "NOT CONVERGED" in outcome.output
+
+
 def test_run_writes_the_results(folder: Path) -> None:
     outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])
     assert outcome.exit_code == 0, outcome.output

@@ -272,5 +272,6 @@ pub(crate) fn add_quality_constants(module: &Bound<'_, PyModule>) -> PyResult<()
     thresholds.set_item("significance", fedic::SIGNIFICANCE)?;
     thresholds.set_item("deviation", fedic::MAX_DEVIATION)?;
     thresholds.set_item("light", fedic::MAX_LIGHT)?;
+    thresholds.set_item("gradient_to_noise", fedic::GRADIENT_TO_NOISE)?;
     module.add("QUALITY_THRESHOLDS", thresholds)
 }

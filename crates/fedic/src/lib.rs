@@ -79,7 +79,9 @@ pub use options::{
     Range,
 };
 pub use results::flags::{CellFlag, NodeFlag};
-pub use results::quality::{MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE};
+pub use results::quality::{
+    GRADIENT_TO_NOISE, MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE,
+};
 pub use results::solution::{Iteration, Solution};
 pub use self_calibration::calibrate::{calibrate_on_specimen, calibrate_on_specimen_with};
 pub use self_calibration::motion::{MotionKind, RIGID};

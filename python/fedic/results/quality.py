@@ -12,9 +12,6 @@ from fedic._internal.types import Floats
 
 __all__ = ["Quality"]
 
-_UNCERTAIN_SHARE = 0.05
-"""Largest share of uncertain nodes of a good result."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Quality:
@@ -74,7 +71,7 @@ class Quality:
 
     @property
     def thresholds(self) -> dict[str, float]:
-        """Thresholds of the flags: ``correlation``; ``node_error``, ``deviation`` and ``light`` in pixels; ``significance``."""
+        """Thresholds of the flags, in pixels where they are displacements; see docs/verdict.md."""
         return dict(QUALITY_THRESHOLDS)
 
     @property
@@ -97,15 +94,13 @@ class Quality:
     def is_good(self) -> bool:
         """Whether nothing is doubtful.
 
-        The iterations converged, no cell is flagged, the texture is not periodic, and at most one measured node in
-        twenty is uncertain.
+        The iterations converged, no cell is flagged, the texture is not periodic, and no measured node is uncertain.
         """
-        uncertain = self._measured_with("uncertain")
         return (
             self.converged
             and not self.cell_flags.any()
             and not len(self.repeats)
-            and uncertain.sum() <= _UNCERTAIN_SHARE * self.valid_nodes.sum()
+            and not self._measured_with("uncertain").any()
         )
 
     def cells(self, flag: str) -> NDArray[np.int64]:

@@ -44,6 +44,7 @@ flags! {
     CellFlag {
         FewPoints = "few-points", "Too few points lie inside both images and are neither masked nor saturated.";
         Uncorrelated = "uncorrelated", "The two images do not show the same texture.";
+        WeakTexture = "weak-texture", "The gradient of the grey levels is hardly more than that of the noise.";
         Misfit = "misfit", "The residual is larger than that of the noise, and that of a node wrong by 0.3 px.";
         Light = "light", "The brightness has changed otherwise than in the rest of the mesh; a correction for each element allows for it.";
         Folded = "folded", "The area of the cell has changed sign, or by more than a factor of ten.";

@@ -9,6 +9,8 @@ pub const SIGNIFICANCE: f64 = 5.0;
 /// Largest predicted standard deviation of a node in pixels: a third of [`NODE_ERROR`].
 pub const MAX_DEVIATION: f64 = 0.1;
 
+/// Smallest ratio of the gradient of a cell to that of the noise alone.
+pub const GRADIENT_TO_NOISE: f64 = 2.0;
 /// Displacement in pixels that would cause as large a residual as the difference in brightness of a cell from the correction in use:
 /// from about this on, nodes are wrong by [`NODE_ERROR`].
 pub const MAX_LIGHT: f64 = 0.5;

@@ -1,5 +1,7 @@
 //! Verdict on a measured field: what each cell and node shows of its error, and flags with a reason.
 
+use std::f64::consts::PI;
+
 use fedic_mesh::Mesh;
 
 use crate::PLANE;
@@ -9,8 +11,13 @@ use crate::projection::projected_points::project_nodes;
 use crate::quadrature::shape_table::mean_squared_shapes;
 use crate::results::covariance::pixels_averaged;
 use crate::results::flags::{CellFlag, NodeFlag};
-use crate::results::quality::{MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE};
+use crate::results::quality::{
+    GRADIENT_TO_NOISE, MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE,
+};
 use crate::solve::level::{Level, LevelSolution};
+
+/// Root mean square of the gradient of unit white noise, interpolated by splines without smoothing, about.
+const NOISE_GRADIENT: f64 = 0.7;
 
 /// Measurement that is judged.
 pub(crate) struct Judged<'a> {
@@ -51,6 +58,7 @@ impl Judged<'_> {
     }
 
     fn cell_flags(&self, folded: &[bool], variance: f64, averaged: f64) -> Vec<u8> {
+        let weakest = GRADIENT_TO_NOISE * (0.5 * averaged * variance).sqrt() * noise_gradient(self.smoothing);
         let flags = |(index, cell): (usize, &CellAgreement)| {
             let independent = (cell.used * self.level.textures[index].pixels / averaged).max(1.0);
             let is_significant = cell.scatter * cell.scatter > largest_mean_square(independent) * variance;
@@ -58,6 +66,8 @@ impl Judged<'_> {
                 CellFlag::FewPoints.bit()
             } else if !(cell.correlation >= MIN_CORRELATION) {
                 CellFlag::Uncorrelated.bit()
+            } else if self.level.textures[index].gradient < weakest {
+                CellFlag::WeakTexture.bit()
             } else if is_significant && self.misfit(index, variance) > self.smallest_misfit(index) {
                 CellFlag::Misfit.bit()
             } else if self.light(index) > MAX_LIGHT {
@@ -145,6 +155,12 @@ impl Judged<'_> {
         };
         (0..num_nodes).map(flags).collect()
     }
+}
+
+/// Root mean square of the gradient of unit white noise along one direction, after a smoothing and the interpolation.
+fn noise_gradient(smoothing: f64) -> f64 {
+    let smoothed = 1.0 / ((8.0 * PI).sqrt() * smoothing * smoothing);
+    smoothed.min(NOISE_GRADIENT)
 }
 
 /// Mean square of this many independent normal variables of variance one that is exceeded [`SIGNIFICANCE`] standard deviations from
