@@ -16,6 +16,7 @@ __all__ = [
     "CELL_TYPES",
     "CORRELATION_OPTIONS",
     "INTERPOLATIONS",
+    "INVALID_CELL_FLAGS",
     "LENSES",
     "NODE_FLAGS",
     "QUALITY_THRESHOLDS",
@@ -283,6 +284,7 @@ class OptionInfo:
     def doc(self) -> str: ...
 
 CELL_FLAGS: dict[str, str]
+INVALID_CELL_FLAGS: tuple[str, ...]
 NODE_FLAGS: dict[str, str]
 QUALITY_THRESHOLDS: dict[str, float]
 
@@ -306,6 +308,7 @@ class Correlator:
     ) -> Correlator: ...
     @property
     def num_points(self) -> int: ...
+    def node_pixels(self) -> NDArray[np.float64]: ...
     def quadrature_points(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]: ...
     def correlate(
         self,

@@ -204,7 +204,8 @@ class Correlator:
         return solution, start, []
 
     def _quality(self, solution: "_core.Solution", deformed: Image) -> Quality:
-        nodes = self._camera.project(self._mesh.points[self._mesh.used_nodes])
+        used = self._mesh.used_nodes
+        nodes = self._core.node_pixels()[used]
         if self._repeats is None:
             self._repeats = np.empty((0, 2))
             if may_repeat(self._reference, nodes):
@@ -214,7 +215,7 @@ class Correlator:
         node_flags = solution.node_flags
         if len(self._repeats):
             node_flags |= np.uint8(1 << list(NODE_FLAGS).index("periodic"))
-        moved = nodes + np.nan_to_num(solution.pixel_displacement[self._mesh.used_nodes])
+        moved = nodes + np.nan_to_num(solution.pixel_displacement[used])
         return Quality(
             noise=solution.noise,
             **solution.cell_evidence,

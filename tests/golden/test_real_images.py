@@ -34,7 +34,8 @@ def test_open_hole_agrees_with_pyxel(
     result = fedic.correlate(frame("0053"), frame(number), mesh, camera, initial="pyramid", **PYXEL_OPTIONS)
     assert result.converged
     assert result.outside_cells.size == 0
-    difference = np.linalg.norm(result.pixel_displacement - peer[f"disp_px_{number}"], axis=1)
+    pixels = camera.project(mesh.points + result.unchecked_displacement) - camera.project(mesh.points)
+    difference = np.linalg.norm(pixels - peer[f"disp_px_{number}"], axis=1)
     # Wanted: 0.010, 0.08 and 1.01. Measured: below 1e-4, 0.02 and 1.0002.
     assert np.median(difference) < 0.001
     assert np.percentile(difference, 99) < 0.03
@@ -60,7 +61,7 @@ def test_triangles_in_millimetres_agree_with_quads_in_metres(
     assert fine.converged
     points = 1000.0 * quads.points
     displacement = fine.at(points)
-    inside = ~np.isnan(displacement[:, 0])
+    inside = ~np.isnan(displacement[:, 0]) & coarse.valid_nodes
     assert inside.sum() > 1400
     pixels = camera.project(points[inside] + displacement[inside]) - camera.project(points[inside])
     difference = np.linalg.norm(pixels - coarse.pixel_displacement[inside], axis=1)
@@ -79,7 +80,7 @@ def test_star_noise_and_resolution(shared_data: Shared) -> None:
 
     def field(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        return result.at(grid).reshape(len(y), len(x), 2)
+        return mesh.interpolate(result.unchecked_displacement, grid).reshape(len(y), len(x), 2)
 
     inner = half - 1.5 * size
     noise = field(np.arange(2501.0, 3900.0), np.arange(np.ceil(middle - inner), middle + inner))[..., 0].std()

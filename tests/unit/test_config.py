@@ -94,7 +94,12 @@ def test_options_are_passed_to_the_correlator(folder: Path) -> None:
         ('"pinhole"', '"pin-hole"', "camera.model", "choose one of image-frame, front-parallel, pinhole"),
         ('model = "pinhole"', "", "camera.model", "is missing; choose one of"),
         ("[[1, 0, 0], ", "[", "camera.rotation", "3 rows of 3 numbers"),
-        ('"pyramid"', '"pyramids"', "correlation.initial", "'zero', 'pyramid' or 'fft'"),
+        (
+            '"pyramid"',
+            '"pyramids"',
+            "correlation.initial",
+            "'auto', 'zero', 'pyramid', 'fft', 'features', 'log-polar' or 'flow'",
+        ),
         ("false", "0", "output.pictures", "should be a valid boolean"),
         (
             "pictures = false",

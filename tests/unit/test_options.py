@@ -53,7 +53,7 @@ def test_defaults_are_those_of_the_core() -> None:
     assert defaults["brightness"] == "global"
     assert defaults["regularization_length"] is None
     assert defaults["quadrature"] == fedic.MeshQuadrature(density=1.0, rule="rotated")
-    assert defaults["initial"] == "zero"
+    assert defaults["initial"] == "auto"
 
 
 def test_correlate_and_correlator_take_the_same_options() -> None:
@@ -91,7 +91,7 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
             {"xyz": 1},
             "xyz",
             "there is no option 'xyz'; the options are quadrature, interpolation, gradient, smoothing, brightness, "
-            "hessian, regularization_length, tolerance, max_iterations, num_threads, initial, progress.",
+            "hessian, regularization_length, tolerance, noise, max_iterations, num_threads, initial, mask, progress.",
         ),
         (
             {"smoothing": -1.0},
@@ -136,7 +136,7 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
         (
             {"initial": "previous"},
             "initial",
-            'initial must be "zero", "pyramid", "fft" or an array of nodal displacements, got \'previous\'',
+            "a correlator remembers no earlier frame: give its result as initial",
         ),
     ],
 )

@@ -102,7 +102,7 @@ def test_float64_and_views_are_accepted(speckle_pair: Pair) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"initial": "fourier"}, '"zero", "pyramid", "fft" or an array of nodal displacements, got .fourier.'),
+        ({"initial": "fourier"}, '"flow", an array of nodal displacements or a result, got .fourier.'),
         ({"initial": np.zeros((3, 2))}, r"shape \(3, 2\); give one displacement per node, shape \(48, 2\)"),
         ({"initial": np.full((48, 2), np.nan)}, "not finite at 48 nodes"),
         ({"quadrature": "edges"}, r"a fedic\.MeshQuadrature or a fedic\.PixelQuadrature, got 'edges'"),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fedic::{Iteration, Start};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{rows, to_array};
 use crate::camera::any_camera;
@@ -51,6 +51,11 @@ impl Correlator {
     #[getter]
     fn num_points(&self) -> usize {
         self.inner.num_points()
+    }
+
+    /// Image points of the nodes in the reference image, (n, 2) float64, in pixels; NaN at nodes that no cell uses.
+    fn node_pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        to_array(py, &self.inner.node_pixels())
     }
 
     /// Measures one deformed image; see `fedic.Correlator.correlate`. At most `max_iterations` iterations are made, fewer than the
@@ -265,6 +270,8 @@ pub(crate) fn add_quality_constants(module: &Bound<'_, PyModule>) -> PyResult<()
     fedic::CellFlag::ALL.iter().try_for_each(|flag| cells.set_item(flag.name(), flag.reason()))?;
     fedic::NodeFlag::ALL.iter().try_for_each(|flag| nodes.set_item(flag.name(), flag.reason()))?;
     module.add("CELL_FLAGS", cells)?;
+    let invalid = fedic::CellFlag::INVALID.iter().map(|flag| flag.name());
+    module.add("INVALID_CELL_FLAGS", PyTuple::new(module.py(), invalid.collect::<Vec<_>>())?)?;
     module.add("NODE_FLAGS", nodes)?;
     let thresholds = PyDict::new(module.py());
     thresholds.set_item("correlation", fedic::MIN_CORRELATION)?;

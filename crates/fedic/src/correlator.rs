@@ -17,7 +17,7 @@ use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::ObservationSettings;
 use crate::observation::pixel_mask::PixelMask;
 use crate::parallel::thread_pool;
-use crate::projection::projected_points::pixel_displacement;
+use crate::projection::projected_points::{pixel_displacement, project_nodes};
 use crate::results::covariance;
 use crate::results::flags::NodeFlag;
 use crate::results::residual_map::{ImagePair, residual_map};
@@ -177,6 +177,13 @@ impl Correlator {
     /// Number of quadrature points.
     pub fn num_points(&self) -> usize {
         self.level.observation.num_points()
+    }
+
+    /// Image points of the nodes of the mesh in the reference image, in pixels; NaN at nodes that no cell uses.
+    pub fn node_pixels(&self) -> Vec<[f64; 2]> {
+        let nodes = project_nodes::<PLANE>(&self.dofs.mesh, self.camera.as_ref(), None);
+        let pixels: Vec<[f64; 2]> = nodes.iter().map(|node| node.pixel).collect();
+        self.dofs.extend(&pixels)
     }
 
     /// World points of the quadrature points, their weights and their cells, cell after cell.

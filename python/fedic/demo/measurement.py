@@ -86,5 +86,7 @@ def measure_pair(scene: Scene, pair: ImagePair, mesh: Mesh, *, lens: bool, **opt
     result = correlate(pair.reference, pair.deformed, plane, camera, **options)
     seconds = time.perf_counter() - start
     if lens:
-        return Measurement("mesh, with the lens", result, scene.in_pixels(result.displacement - scene.motion), seconds)
-    return Measurement("pixels, without the lens", result, result.displacement - scene.pixel_motion, seconds)
+        return Measurement(
+            "mesh, with the lens", result, scene.in_pixels(result.unchecked_displacement - scene.motion), seconds
+        )
+    return Measurement("pixels, without the lens", result, result.unchecked_displacement - scene.pixel_motion, seconds)

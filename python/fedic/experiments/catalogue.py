@@ -1,9 +1,10 @@
 """The experiments by name."""
 
+import warnings
 from collections.abc import Callable
 from importlib import import_module
 
-from fedic.errors import FedicError
+from fedic.errors import ConvergenceWarning, FedicError, QualityWarning
 from fedic.experiments.outcome import Outcome, Request
 
 __all__ = ["EXPERIMENTS", "run_experiment"]
@@ -49,4 +50,8 @@ def run_experiment(name: str, request: Request) -> Outcome:
     if name not in EXPERIMENTS:
         raise FedicError(f"There is no experiment {name!r}; choose one of {', '.join(EXPERIMENTS)}, or all.")
     run: Callable[[Request], Outcome] = import_module(f"fedic.experiments.{name}").run
-    return run(request)
+    with warnings.catch_warnings():
+        # The truth is known, and some settings are meant to fail.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        warnings.simplefilter("ignore", QualityWarning)
+        return run(request)

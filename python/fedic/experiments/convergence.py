@@ -179,7 +179,7 @@ class _SceneStudy:
             result = correlator.correlate(self._images[motion], initial)
         except SolveError:
             return row | {"iterations": 0, "error_px": float("nan"), "converged": False, "found": False}
-        wrong = result.displacement - self._scene.displacement(motion, result.mesh.points)
+        wrong = result.unchecked_displacement - self._scene.displacement(motion, result.mesh.points)
         error = float(np.linalg.norm(wrong, axis=1).max())
         return row | {
             "iterations": result.iterations,

@@ -141,7 +141,7 @@ class _Stretch:
             max_iterations=MAX_ITERATIONS,
             **setting.options,
         )
-        return rms(correlator.correlate(self._deformed, initial=truth).displacement - truth)
+        return rms(correlator.correlate(self._deformed, initial=truth).unchecked_displacement - truth)
 
 
 def _claims(image: str, rows: list[Row]) -> list[Claim]:

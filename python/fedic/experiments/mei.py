@@ -125,7 +125,7 @@ def field_of(result: Result) -> Field:
 
     def field(columns: Floats, rows: Floats) -> Floats:
         grid = np.stack(np.meshgrid(columns, rows), axis=-1)
-        return result.at(grid.reshape(-1, 2)).reshape(grid.shape)
+        return result.mesh.interpolate(result.unchecked_displacement, grid.reshape(-1, 2)).reshape(grid.shape)
 
     return field
 

@@ -97,7 +97,7 @@ def _as_grid(result: Result) -> tuple[Floats, Floats, Floats]:
     columns, column = np.unique(points[:, 0].round(6), return_inverse=True)
     rows, row = np.unique(points[:, 1].round(6), return_inverse=True)
     nodal = np.empty((len(rows), len(columns), 2))
-    nodal[row, column] = result.displacement
+    nodal[row, column] = result.unchecked_displacement
     return columns, rows, nodal
 
 

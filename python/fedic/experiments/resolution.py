@@ -213,9 +213,10 @@ def _symmetric(star: Star, chosen: CellAndSize) -> Measured:
     laid = star_mesh(star, chosen[1], chosen[0])
     there = _measure(star, laid, PLAIN)
     back = correlate(star.deformed, star.reference, laid.mesh, **PLAIN)
-    returned = back.at(laid.mesh.points + there.displacement)
-    returned = np.where(np.isnan(returned), -there.displacement, returned)
-    both = replace(there, displacement=(there.displacement - returned) / 2.0)
+    forth = there.unchecked_displacement
+    returned = laid.mesh.interpolate(back.unchecked_displacement, laid.mesh.points + forth)
+    returned = np.where(np.isnan(returned), -forth, returned)
+    both = replace(there, unchecked_displacement=(forth - returned) / 2.0)
     return _judged(star, ("averages", "there and back"), chosen, field_of(both), laid.reach, [there, back])
 
 
@@ -224,7 +225,7 @@ def _nodes_alone(star: Star, chosen: CellAndSize) -> Measured:
     laid = star_mesh(star, chosen[1], chosen[0])
     result = _measure(star, laid, PLAIN)
     judged = _judged(star, ("nodes", "nodes alone"), chosen, field_of(result), laid.reach, [result])
-    noise = float(result.displacement[_calm(star, laid), 0].std())
+    noise = float(result.unchecked_displacement[_calm(star, laid), 0].std())
     return replace(judged, merit=replace(judged.merit, noise=noise))
 
 

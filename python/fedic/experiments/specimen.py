@@ -127,7 +127,7 @@ def _errors(scene: Scene, camera: Pinhole, pair: ImagePair, window: Mesh) -> Flo
     """Measured less true displacement of the nodes with a camera, in pixels of the optical axis."""
     mesh = Mesh(camera.unproject(window.points)[:, :2], window.cells)
     result = correlate(pair.reference, pair.deformed, mesh, camera, initial="fft", **DEFAULT.options)
-    errors: Floats = (result.displacement - scene.motion) / MILLIMETRES * (1.0, -1.0)
+    errors: Floats = (result.unchecked_displacement - scene.motion) / MILLIMETRES * (1.0, -1.0)
     return errors
 
 

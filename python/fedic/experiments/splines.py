@@ -158,7 +158,7 @@ def _row(scene: Scene, pair: ImagePair, draw: int, model: str, calibration: Cali
     nodes = window_mesh(scene.window, SIZE, "quad")
     mesh = Mesh(camera.unproject(nodes.points)[:, :2], nodes.cells)
     result = correlate(pair.reference, pair.deformed, mesh, camera, initial="fft", **DEFAULT.options)
-    nodal = (result.displacement - scene.motion) / MILLIMETRES
+    nodal = (result.unchecked_displacement - scene.motion) / MILLIMETRES
     return {
         "calibration": draw,
         "model": model,

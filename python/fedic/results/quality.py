@@ -6,20 +6,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._core import CELL_FLAGS, NODE_FLAGS, QUALITY_THRESHOLDS, Mesh
+from fedic._core import CELL_FLAGS, INVALID_CELL_FLAGS, NODE_FLAGS, QUALITY_THRESHOLDS, Mesh
 from fedic._internal.choices import check_choice
 from fedic._internal.types import Floats
 
 __all__ = ["Quality"]
+
+_UNCERTAIN_SHARE = 0.01
+"""Largest share of uncertain nodes in a good result."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Quality:
     """What the images tell of the error of a result.
 
-    A cell with a flag is not valid. A node without any valid cell is not measured: its displacement is NaN. Other nodes
-    with a flag keep their displacement, which is doubtful. The class attributes `CELL_FLAGS` and `NODE_FLAGS` give the
-    reason for each flag, and docs/verdict.md the rules.
+    A cell with the flag ``"few-points"``, ``"uncorrelated"``, ``"weak-texture"`` or ``"folded"`` is not valid; one with
+    another flag is doubtful. A node without any valid cell is not measured: its displacement is NaN. Other nodes with a
+    flag keep their displacement, which is doubtful. `flags` gives the reason for each flag, docs/verdict.md the rules.
 
     Attributes
     ----------
@@ -48,13 +51,8 @@ class Quality:
     converged : bool
         Whether the iterations converged.
     cell_flags, node_flags : ndarray of uint8, shapes (num_cells,) and (n,)
-        Bits of the flags, in the order of `CELL_FLAGS` and `NODE_FLAGS`.
+        Bits of the flags, in the order of ``flags["cells"]`` and ``flags["nodes"]``.
     """
-
-    CELL_FLAGS = CELL_FLAGS
-    """Names and reasons of the flags of cells, in the order of their bits."""
-    NODE_FLAGS = NODE_FLAGS
-    """Names and reasons of the flags of nodes, in the order of their bits."""
 
     noise: float
     used_share: Floats
@@ -75,9 +73,16 @@ class Quality:
         return dict(QUALITY_THRESHOLDS)
 
     @property
+    def flags(self) -> dict[str, dict[str, str]]:
+        """Names of the flags of ``"cells"`` and ``"nodes"`` in the order of their bits, with their reasons."""
+        return {"cells": dict(CELL_FLAGS), "nodes": dict(NODE_FLAGS)}
+
+    @property
     def valid_cells(self) -> NDArray[np.bool_]:
-        """Cells without a flag, shape (num_cells,)."""
-        valid: NDArray[np.bool_] = self.cell_flags == 0
+        """Cells whose texture was measured, shape (num_cells,): without a flag, or a doubtful one only."""
+        valid = np.ones(self.cell_flags.shape, dtype=bool)
+        for name in INVALID_CELL_FLAGS:
+            valid &= ~self._has(name, self.cell_flags, CELL_FLAGS)
         return valid
 
     @property
@@ -94,13 +99,14 @@ class Quality:
     def is_good(self) -> bool:
         """Whether nothing is doubtful.
 
-        The iterations converged, no cell is flagged, the texture is not periodic, and no measured node is uncertain.
+        The iterations converged, no cell is flagged, the texture is not periodic, and at most one measured node in a
+        hundred is uncertain.
         """
         return (
             self.converged
             and not self.cell_flags.any()
             and not len(self.repeats)
-            and not self._measured_with("uncertain").any()
+            and self._measured_with("uncertain").sum() <= _UNCERTAIN_SHARE * self.valid_nodes.sum()
         )
 
     def cells(self, flag: str) -> NDArray[np.int64]:
@@ -109,7 +115,7 @@ class Quality:
         Parameters
         ----------
         flag : str
-            One of `CELL_FLAGS`.
+            One of ``flags["cells"]``.
 
         Returns
         -------
@@ -130,7 +136,7 @@ class Quality:
         Parameters
         ----------
         flag : str
-            One of `NODE_FLAGS`.
+            One of ``flags["nodes"]``.
 
         Returns
         -------
@@ -146,7 +152,13 @@ class Quality:
         return np.flatnonzero(self._has(flag, self.node_flags, NODE_FLAGS))
 
     def reasons(self) -> list[str]:
-        """Return what is doubtful, a sentence each, the most serious first; empty for a good result."""
+        """Return what is doubtful.
+
+        Returns
+        -------
+        list of str
+            A clause each, the most serious first; empty if no flag is set.
+        """
         found = [] if self.converged else ["the iterations did not converge"]
         total = self.cell_flags.size
         for name in CELL_FLAGS:
@@ -174,7 +186,7 @@ class Quality:
             (number by flag), ``saturated_share`` and ``repeats``.
         """
         return {
-            "good": self.is_good,
+            "good": bool(self.is_good),
             "reasons": self.reasons(),
             "noise": float(self.noise) if np.isfinite(self.noise) else None,
             "flagged_cells": {name: len(self.cells(name)) for name in CELL_FLAGS},

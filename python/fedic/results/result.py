@@ -123,7 +123,7 @@ class Result:
 
     @property
     def valid_cells(self) -> NDArray[np.bool_]:
-        """Cells without a flag, shape (num_cells,)."""
+        """Cells whose texture was measured, shape (num_cells,); see `Quality`."""
         return self.quality.valid_cells
 
     def at(self, points: ArrayLike) -> Floats:

@@ -40,14 +40,25 @@ macro_rules! flags {
 }
 
 flags! {
-    /// Flags of a cell. A cell with any of them is not valid.
+    /// Flags of a cell.
     CellFlag {
         FewPoints = "few-points", "Too few points lie inside both images and are neither masked nor saturated.";
         Uncorrelated = "uncorrelated", "The two images do not show the same texture.";
         WeakTexture = "weak-texture", "The gradient of the grey levels is hardly more than that of the noise.";
+        Folded = "folded", "The area of the cell has changed sign, or by more than a factor of ten.";
         Misfit = "misfit", "The residual is larger than that of the noise, and that of a node wrong by 0.3 px.";
         Light = "light", "The brightness has changed otherwise than in the rest of the mesh; a correction for each element allows for it.";
-        Folded = "folded", "The area of the cell has changed sign, or by more than a factor of ten.";
+    }
+}
+
+impl CellFlag {
+    /// Flags of a cell that is not valid; those with another flag are doubtful.
+    pub const INVALID: &'static [Self] = &[Self::FewPoints, Self::Uncorrelated, Self::WeakTexture, Self::Folded];
+
+    /// Whether a cell with these bits is not valid.
+    #[must_use]
+    pub fn is_invalid(bits: u8) -> bool {
+        Self::INVALID.iter().any(|flag| bits & flag.bit() != 0)
     }
 }
 
@@ -55,7 +66,7 @@ flags! {
     /// Flags of a node.
     NodeFlag {
         NotMeasured = "not-measured", "No cell of the node is valid: its displacement is a NaN.";
-        BesideFlagged = "beside-flagged", "Some cells of the node are not valid.";
+        BesideFlagged = "beside-flagged", "Some cells of the node are flagged.";
         Uncertain = "uncertain", "The predicted standard deviation exceeds 0.1 px: the texture is too weak for the noise.";
         Unconverged = "unconverged", "The iterations did not converge, and any node may be wrong.";
         Periodic = "periodic", "The texture repeats itself, and the displacement may be wrong by one of its periods.";

@@ -132,17 +132,19 @@ impl Judged<'_> {
 
     fn node_flags(&self, cell_flags: &[u8], deviation: &[f64]) -> Vec<u8> {
         let num_nodes = self.mesh.num_nodes();
-        let (mut with_valid, mut with_invalid) = (vec![false; num_nodes], vec![false; num_nodes]);
+        let (mut with_valid, mut with_flagged) = (vec![false; num_nodes], vec![false; num_nodes]);
         for (cell, &flags) in self.mesh.cells().zip(cell_flags) {
-            let nodes = if flags == 0 { &mut with_valid } else { &mut with_invalid };
-            cell.nodes.iter().for_each(|&node| nodes[node as usize] = true);
+            for &node in cell.nodes {
+                with_valid[node as usize] |= !CellFlag::is_invalid(flags);
+                with_flagged[node as usize] |= flags != 0;
+            }
         }
         let outcome = &self.solution.outcome;
         let flags = |node: usize| {
             let mut flags = 0;
             if !with_valid[node] {
                 flags |= NodeFlag::NotMeasured.bit();
-            } else if with_invalid[node] {
+            } else if with_flagged[node] {
                 flags |= NodeFlag::BesideFlagged.bit();
             }
             if !(deviation[node] <= MAX_DEVIATION) {
