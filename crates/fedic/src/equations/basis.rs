@@ -14,6 +14,9 @@ pub(crate) trait Basis<const D: usize>: Sync {
     /// Prepares the basis for a step from this displacement.
     fn linearize(&mut self, _displacement: &[[f64; D]]) {}
 
+    /// Takes the deformation gradient as the same at all nodes, so that it leaves the null space of a penalty as it is.
+    fn average_deformation(&mut self) {}
+
     /// Equations without any term.
     fn equations(&self, with_hessian: bool) -> NormalEquations;
 

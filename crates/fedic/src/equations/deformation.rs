@@ -61,6 +61,17 @@ impl<const D: usize> NodalDeformation<D> {
         Self { gradients, stretch }
     }
 
+    /// Replaces the deformation gradient of each node by their mean.
+    pub(crate) fn average(&mut self) {
+        let count = self.gradients.len().max(1) as f64;
+        let mut mean = [[0.0; D]; D];
+        for gradient in &self.gradients {
+            let sums = mean.as_flattened_mut().iter_mut().zip(gradient.as_flattened());
+            sums.for_each(|(sum, entry)| *sum += entry / count);
+        }
+        self.gradients.fill(mean);
+    }
+
     /// Deformation gradient of each node.
     pub(crate) fn gradients(&self) -> &[Tensor<D>] {
         &self.gradients

@@ -55,7 +55,13 @@ impl GaussNewton {
         loop {
             iteration += 1;
             basis.linearize(&displacement);
-            let penalised = terms.iter().any(|term| term.is_penalty()) && basis.stretch() > MAX_STRETCH;
+            let mut penalised = terms.iter().any(|term| term.is_penalty());
+            if penalised && basis.stretch() <= MAX_STRETCH {
+                // The kept Hessian holds the penalty of the reference configuration. However strong it is, a mean gradient changes
+                // neither its null space nor its scale by more than the stretch.
+                basis.average_deformation();
+                penalised = false;
+            }
             let changed = terms.iter().any(|term| term.needs_hessian());
             let mut equations = basis.equations(self.hessian == Hessian::Updated || penalised || changed);
             let mut reports = Vec::with_capacity(terms.len());

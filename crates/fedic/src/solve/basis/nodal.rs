@@ -36,6 +36,10 @@ impl<const D: usize> Basis<D> for NodalBasis<'_, D> {
         self.deformation = NodalDeformation::of(&self.dofs.mesh, displacement);
     }
 
+    fn average_deformation(&mut self) {
+        self.deformation.average();
+    }
+
     fn equations(&self, with_hessian: bool) -> NormalEquations {
         let pattern = &self.dofs.pattern;
         NormalEquations {
