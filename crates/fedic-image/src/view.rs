@@ -264,6 +264,8 @@ fn sum(row: &[f32], term: impl Fn(f64) -> f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     #[test]

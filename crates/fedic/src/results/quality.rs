@@ -30,13 +30,13 @@ pub struct Quality {
     pub normalized_residual: Vec<f64>,
     /// Displacement in pixels, root mean square over the cell, that would explain the residual beyond the noise; NaN without points.
     pub misfit: Vec<f64>,
-    /// Bits of [`CellFlag`] of each cell.
+    /// Bits of [`CellFlag`](crate::CellFlag) of each cell.
     pub cell_flags: Vec<u8>,
     /// Standard deviation of each node due to the noise, in pixels, in its worst direction and for neighbours without noise. A penalty
     /// is not counted.
     pub deviation: Vec<f64>,
     /// Ratio of the standard deviation in the best direction to that in the worst, from 0 to 1; NaN without points.
     pub conditioning: Vec<f64>,
-    /// Bits of [`NodeFlag`] of each node.
+    /// Bits of [`NodeFlag`](crate::NodeFlag) of each node.
     pub node_flags: Vec<u8>,
 }

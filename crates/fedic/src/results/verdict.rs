@@ -62,9 +62,9 @@ impl Judged<'_> {
         let flags = |(index, cell): (usize, &CellAgreement)| {
             let independent = (cell.used * self.level.textures[index].pixels / averaged).max(1.0);
             let is_significant = cell.scatter * cell.scatter > largest_mean_square(independent) * variance;
-            let of_images = if !(cell.used > 0.0) {
+            let of_images = if cell.used.is_nan() || cell.used <= 0.0 {
                 CellFlag::FewPoints.bit()
-            } else if !(cell.correlation >= MIN_CORRELATION) {
+            } else if cell.correlation.is_nan() || cell.correlation < MIN_CORRELATION {
                 CellFlag::Uncorrelated.bit()
             } else if self.level.textures[index].gradient < weakest {
                 CellFlag::WeakTexture.bit()
@@ -147,7 +147,7 @@ impl Judged<'_> {
             } else if with_flagged[node] {
                 flags |= NodeFlag::BesideFlagged.bit();
             }
-            if !(deviation[node] <= MAX_DEVIATION) {
+            if deviation[node].is_nan() || deviation[node] > MAX_DEVIATION {
                 flags |= NodeFlag::Uncertain.bit();
             }
             if !outcome.converged {
