@@ -246,13 +246,15 @@ class Correlator:
         """
         return self._core.residual_map(validate_deformed(self._reference, deformed), displacement)
 
-    def standard_deviations(self, noise: float) -> Floats:
+    def standard_deviations(self, noise: float, displacement: ArrayLike | None = None) -> Floats:
         """Predict the standard deviation of the displacement from the noise of the images.
 
         Parameters
         ----------
         noise : float
             Standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing.
+        displacement : array_like, shape (n, 2), optional
+            Nodal displacements in the mesh's unit near which they are predicted; none by default.
 
         Returns
         -------
@@ -277,7 +279,8 @@ class Correlator:
         (``q`` itself without a smoothing); ``A`` includes the regularization. With one point per pixel, as many pixels
         per area everywhere and neither smoothing nor regularization this is the Cramer-Rao bound
         ``2 noise^2 (sum q q^T)^-1``. ``p`` counts up to the pixels that a reading of the image averages, 1.25 or
-        ``4 pi smoothing^2`` if more: points further apart read noise of their own.
+        ``4 pi smoothing^2`` if more: points further apart read noise of their own. At a displacement with the gradient
+        ``F`` it is ``F C F^T``, and the noise of the deformed image is averaged over ``det F`` times as many pixels.
 
         On a speckle of 5 pixels and cells of 20, with a noise of 5 to 10 % of the root mean square of the gradient per
         pixel, the scatter measured is 0.95 to 1.05 times the prediction, for every type of cell, by the default options
@@ -296,7 +299,7 @@ class Correlator:
         These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The cost is one
         solution of the system per unknown, shared by the threads.
         """
-        return self._core.standard_deviations(noise)
+        return self._core.standard_deviations(noise, displacement)
 
 
 @with_options(CORRELATION_OPTIONS)

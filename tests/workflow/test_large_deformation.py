@@ -72,3 +72,22 @@ def test_the_error_left_by_the_iterations_is_estimated() -> None:
         left = np.linalg.norm(result.displacement - exact.displacement, axis=1).max()
         assert result.error_left <= tolerance
         assert left <= 1.5 * result.error_left + 1e-6
+
+
+@pytest.mark.parametrize(("degrees", "stretch"), [(0.0, 0.0), (60.0, 0.0), (30.0, 0.4), (0.0, -0.25)])
+def test_predicted_deviations_follow_the_deformation(degrees: float, stretch: float) -> None:
+    gradient, noise, draws = turned(degrees, stretch), 3.0, 60
+    mesh = fedic.rectangle_mesh((72, 72, 228, 228), 26.0)
+    truth = (mesh.points - CENTRE) @ (gradient - np.eye(2)).T
+    images = [image.astype(np.float64) for image in (reference(), WAVES.image(SIZE, gradient))]
+    rng = np.random.default_rng(1)
+    found = []
+    for _ in range(draws):
+        noisy = [(image + rng.normal(0.0, noise, image.shape)).astype(np.float32) for image in images]
+        correlator = fedic.Correlator(noisy[0], mesh, noise=noise)
+        found.append(correlator.correlate(noisy[1], initial=truth).displacement)
+    predicted = fedic.Correlator(reference(), mesh).standard_deviations(noise, truth)
+    inner = ((mesh.points > 80) & (mesh.points < 220)).all(axis=1)
+    ratio = np.std(found, axis=0, ddof=1)[inner] / predicted[inner]
+    for component in ratio.T:
+        assert np.sqrt(np.mean(component**2)) == pytest.approx(1.0, abs=0.08)

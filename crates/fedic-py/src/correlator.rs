@@ -102,8 +102,16 @@ impl Correlator {
     }
 
     /// Standard deviation of the displacement of each node, (n, 2) float64; see `fedic.Correlator.standard_deviations`.
-    fn standard_deviations<'py>(&self, py: Python<'py>, noise: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let deviations = run(py, None, |monitor| self.inner.standard_deviations_with(noise, monitor))?;
+    #[pyo3(signature = (noise, displacement=None))]
+    fn standard_deviations<'py>(
+        &self,
+        py: Python<'py>,
+        noise: f64,
+        displacement: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let field = displacement.map(|field| rows::<2>(field, "displacement", argument_error)).transpose()?;
+        let deviations =
+            run(py, None, |monitor| self.inner.standard_deviations_with(noise, field.as_deref(), monitor))?;
         to_array(py, &deviations)
     }
 

@@ -291,8 +291,8 @@ impl Correlator {
         view_of(self.reference.as_ref(), |reference| self.in_pool(|| map(reference)))?
     }
 
-    /// Standard deviation of the displacement of each node due to the noise of the images, in the mesh's unit; NaN at nodes of no
-    /// cell.
+    /// Standard deviation of the displacement of each node due to the noise of the images, in the mesh's unit, near a displacement
+    /// (`None` for none); NaN at nodes of no cell.
     ///
     /// `noise` is the standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: white from
     /// pixel to pixel, and the same in both images.
@@ -313,8 +313,12 @@ impl Correlator {
     /// # Errors
     ///
     /// [`Error`] if `noise` is negative or not finite, or the reference image cannot be viewed again.
-    pub fn standard_deviations(&self, noise: f64) -> Result<Vec<[f64; PLANE]>, Error> {
-        self.standard_deviations_with(noise, &())
+    pub fn standard_deviations(
+        &self,
+        noise: f64,
+        displacement: Option<&[[f64; PLANE]]>,
+    ) -> Result<Vec<[f64; PLANE]>, Error> {
+        self.standard_deviations_with(noise, displacement, &())
     }
 
     /// Does what [`standard_deviations`](Self::standard_deviations) does, watched by a monitor.
@@ -322,11 +326,24 @@ impl Correlator {
     /// # Errors
     ///
     /// Those of [`standard_deviations`](Self::standard_deviations); [`Error::Cancelled`] if `monitor` asks to stop.
-    pub fn standard_deviations_with(&self, noise: f64, monitor: &dyn Monitor) -> Result<Vec<[f64; PLANE]>, Error> {
+    pub fn standard_deviations_with(
+        &self,
+        noise: f64,
+        displacement: Option<&[[f64; PLANE]]>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<[f64; PLANE]>, Error> {
+        let at_rest = vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()];
+        let displacement = displacement.map(|field| self.dofs.restrict(field)).transpose()?.unwrap_or(at_rest);
         let predict = |reference: ImageView<'_>| {
             let prepared = (&self.level.observation, &self.level.factor);
-            let mut deviations =
-                covariance::standard_deviations(&self.dofs, prepared, reference, &self.options, noise, monitor)?;
+            let mut deviations = covariance::standard_deviations(
+                &self.dofs,
+                prepared,
+                reference,
+                &self.options,
+                (noise, &displacement),
+                monitor,
+            )?;
             let blocks = &self.level.observation.node_blocks;
             let without_points = |block: &[[f64; PLANE]; PLANE]| (0..PLANE).all(|c| block[c][c] == 0.0);
             for (deviation, _) in deviations.iter_mut().zip(blocks).filter(|(_, block)| without_points(block)) {

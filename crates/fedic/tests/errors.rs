@@ -109,7 +109,7 @@ fn the_noise_must_be_zero_or_positive() {
     let [reference, _] = images();
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
     for noise in [-0.5, f64::NAN, f64::INFINITY] {
-        let error = correlator.standard_deviations(noise).unwrap_err();
+        let error = correlator.standard_deviations(noise, None).unwrap_err();
         assert!(
             matches!(&error, Error::Option(OptionError::Invalid { option: "noise", value, .. }) if *value == noise.to_string()),
             "{error:?}"
@@ -312,7 +312,7 @@ fn a_monitor_cancels_every_stage() {
     // During the assembly of the covariance and between the solutions.
     for patience in [0, cells - 1, cells, cells + 2] {
         let monitor = Impatient::new(patience);
-        let result = correlator.standard_deviations_with(1.0, &monitor);
+        let result = correlator.standard_deviations_with(1.0, None, &monitor);
         assert_eq!(result, Err(Error::Cancelled), "after {patience} questions");
     }
     let monitor = Impatient::new(3);

@@ -260,7 +260,7 @@ class Result:
         level = self.quality.noise if noise is None else noise
         if noise is None and not math.isfinite(level):
             return np.full(self.displacement.shape, np.nan)
-        deviations = self._images().standard_deviations(level)
+        deviations = self._images().standard_deviations(level, np.nan_to_num(self.unchecked_displacement))
         deviations[~self.valid_nodes] = np.nan
         return deviations
 

@@ -96,9 +96,20 @@ impl<const D: usize> NodalDeformation<D> {
 
 /// Whether each cell is folded by a displacement field, or changes its area by more than a factor of ten.
 pub(crate) fn folded_cells<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<bool> {
+    cell_gradients(mesh, displacement).iter().map(Option::is_none).collect()
+}
+
+/// Change of area of a surface with this deformation gradient, whose normal is carried along without a change of length.
+pub(crate) fn area_ratio<const D: usize>(gradient: &Tensor<D>) -> f64 {
+    let entry = |i: usize, j: usize| if i < D && j < D { gradient[i][j] } else { f64::from(i == j) };
+    Matrix3::from_fn(entry).determinant()
+}
+
+/// Deformation gradient at the centre of each cell; `None` where the cell is folded, or changes its area by more than a factor of ten.
+pub(crate) fn cell_gradients<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<Option<Tensor<D>>> {
     let slopes = CellType::ALL.map(|cell| shape_gradients(cell, cell.reference_centre()));
     let of_cell = |cell: fedic_mesh::Cell<'_>| {
-        cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement).is_none()
+        cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement).map(|(gradient, _)| gradient)
     };
     mesh.cells().map(of_cell).collect()
 }

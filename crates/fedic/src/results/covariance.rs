@@ -7,14 +7,18 @@
 //!
 //! Smoothing the images smooths their noise, too. That equals unsmoothed noise with smoothed weights, and shape functions vary little
 //! over the width of the filter: `h_k` is `q_k` with the gradient of an image smoothed twice.
+//!
+//! At a displacement with the gradient `F` the increment is `F` times that of the reference configuration, so that the covariance is
+//! `F C F^T`. The noise of the deformed image is averaged over `det F` times as many pixels.
 
 use std::f64::consts::PI;
 
 use fedic_image::ImageView;
-use fedic_mesh::jacobian;
+use fedic_mesh::{Mesh, jacobian};
 use fedic_sparse::{Factor, SpdFactor, SymmetricMatrix};
 use rayon::prelude::*;
 
+use crate::equations::deformation::{NodalDeformation, Tensor, area_ratio, cell_gradients};
 use crate::equations::dofs::Dofs;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::cell_matrix::CellMatrix;
@@ -38,7 +42,8 @@ pub(crate) fn pixels_averaged(smoothing: f64) -> f64 {
     (4.0 * PI * smoothing.powi(2)).max(PIXELS_INTERPOLATED)
 }
 
-/// Standard deviation of the displacement of each node for images whose noise has the standard deviation `noise`.
+/// Standard deviation of the displacement of each node for images whose noise has the standard deviation `noise`, at a
+/// displacement.
 ///
 /// # Errors
 ///
@@ -48,15 +53,18 @@ pub(crate) fn standard_deviations<const D: usize>(
     (observation, factor): (&Observation<D>, &Factor),
     reference: ImageView<'_>,
     options: &Options,
-    noise: f64,
+    (noise, displacement): (f64, &[[f64; D]]),
     monitor: &dyn Monitor,
 ) -> Result<Vec<[f64; D]>, Error> {
     noise.check("noise", Some(NOISE))?;
+    let deformation = NodalDeformation::of(&dofs.mesh, displacement);
+    let gradients = deformation.gradients();
     let noise_pass = NoisePass {
         dofs,
         observation,
         image: ImageSampler::smoothed_twice(reference, options.interpolation, options.gradient, options.smoothing)?,
         pixels_averaged: pixels_averaged(options.smoothing),
+        area_ratios: area_ratios(&dofs.mesh, displacement),
     };
     let matrix = noise_pass.assemble(monitor)?;
     let (num_nodes, num_dofs) = (dofs.pattern.num_nodes(), dofs.pattern.num_dofs());
@@ -69,7 +77,11 @@ pub(crate) fn standard_deviations<const D: usize>(
             let unknowns = first * D..num_nodes.min(first + NODES) * D;
             let columns = &mut columns[..unknowns.len() * num_dofs];
             columns.fill(0.0);
-            columns.chunks_exact_mut(num_dofs).zip(unknowns).for_each(|(column, unknown)| column[unknown] = 1.0);
+            // An increment of the displacement is that of the reference configuration, carried by the deformation gradient.
+            for (column, unknown) in columns.chunks_exact_mut(num_dofs).zip(unknowns) {
+                let (node, component) = (unknown / D, unknown % D);
+                column[node * D..][..D].copy_from_slice(&gradients[node][component]);
+            }
             factor.solve_sequentially(columns);
             let deviation = |column| {
                 let variance = 2.0 * matrix.quadratic_form(&dofs.pattern, column);
@@ -82,6 +94,12 @@ pub(crate) fn standard_deviations<const D: usize>(
     Ok(deviations.as_chunks::<D>().0.to_vec())
 }
 
+/// Area of each cell at a displacement relative to that at rest; one where the cell is folded.
+fn area_ratios<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<f64> {
+    let of_cell = |gradient: Option<Tensor<D>>| gradient.map_or(1.0, |gradient| area_ratio(&gradient));
+    cell_gradients(mesh, displacement).into_iter().map(of_cell).collect()
+}
+
 /// Input of the pass that assembles the covariance of the right-hand side.
 struct NoisePass<'a, const D: usize> {
     dofs: &'a Dofs<D>,
@@ -90,6 +108,8 @@ struct NoisePass<'a, const D: usize> {
     image: ImageSampler,
     /// A point that stands for more pixels than these averages no more noise.
     pixels_averaged: f64,
+    /// Area of each cell in the deformed image relative to that in the reference image.
+    area_ratios: Vec<f64>,
 }
 
 impl<const D: usize> NoisePass<'_, D> {
@@ -130,7 +150,9 @@ impl<const D: usize> NoisePass<'_, D> {
                     }
                     None => 1.0,
                 };
-                weights[point] = (samples.weight(point).powi(2) / pixels.min(self.pixels_averaged)) as f32;
+                // The noise of the deformed image is that of as many more pixels as the cell has grown.
+                let noise = 0.5 * (1.0 + 1.0 / self.area_ratios[cell]);
+                weights[point] = (noise * samples.weight(point).powi(2) / pixels.min(self.pixels_averaged)) as f32;
             }
             let first = points.start;
             exact_sensitivity(batch, points, |k| [along_u[k - first], along_v[k - first]], h);

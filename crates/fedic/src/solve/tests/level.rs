@@ -41,7 +41,8 @@ fn measure(dofs: &Dofs<PLANE>, images: &[Image; 2], compact: bool) -> [Vec<[f64;
     let outcome = level.solve(dofs, image, &iterations, (start, &[]), &mut Vec::new(), &()).unwrap().outcome;
     assert!(outcome.converged);
     let prepared = (&level.observation, &level.factor);
-    let deviations = standard_deviations(dofs, prepared, images[0].view(), &options, 2.0, &()).unwrap();
+    let deviations =
+        standard_deviations(dofs, prepared, images[0].view(), &options, (2.0, &outcome.displacement), &()).unwrap();
     [outcome.displacement, deviations]
 }
 
