@@ -22,9 +22,8 @@ from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
 from fedic.results import Attempt, Iteration, Quality, Result
+from fedic.starts.autocorrelation import may_repeat
 from fedic.starts.automatic import measure_from_any_start
-from fedic.starts.fft import initial_translation
-from fedic.starts.periodicity import may_repeat, repeats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -197,6 +196,8 @@ class Correlator:
             return solution, attempts[-1].start, attempts
         field = None
         if start == "fft":
+            from fedic.starts.fft import initial_translation
+
             field = initial_translation(*images, self._mesh, self._camera)
         elif start not in ("zero", "pyramid"):
             field = _estimated(start, images, self._mesh, self._camera)
@@ -210,6 +211,7 @@ class Correlator:
             self._repeats = np.empty((0, 2))
             if may_repeat(self._reference, nodes):
                 from fedic.starts.images import StartImages
+                from fedic.starts.periodicity import repeats
 
                 self._repeats = repeats(StartImages.of(self._reference, self._reference, self._mesh, self._camera))
         node_flags = solution.node_flags

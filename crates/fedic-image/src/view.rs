@@ -4,6 +4,7 @@
 //! one row, or less, at a time.
 
 use std::fmt;
+use std::ops::Range;
 
 use fedic_memory::prefetch;
 use rayon::prelude::*;
@@ -18,6 +19,9 @@ pub const MAX_PIXELS: usize = 1 << 30;
 
 /// Full scales of floating-point images.
 const FULL_SCALES: [f32; 6] = [1.0, 255.0, 1023.0, 4095.0, 16383.0, 65535.0];
+
+/// Smallest number of rows of a parallel task.
+const ROWS_PER_TASK: usize = 64;
 
 /// Number of pixels at the full scale from which on they count as saturated.
 const MIN_SATURATED: usize = 9;
@@ -121,44 +125,89 @@ impl<'a> ImageView<'a> {
     /// of floating-point numbers the largest if it is 1, or the largest of 8, 10, 12, 14 or 16 bits.
     #[must_use]
     pub fn full_scale(&self) -> Option<f32> {
-        let (full, count) = match self.pixels {
-            Pixels::U8(data) => (255.0, data.par_chunks(CHECK_CHUNK).map(|part| count_equal(part, 255)).sum()),
+        let full = match self.pixels {
+            Pixels::U8(_) => 255.0,
             Pixels::U16(data) => {
                 let largest = data.par_chunks(CHECK_CHUNK).map(|part| part.iter().copied().max().unwrap_or(0)).max()?;
                 let (low, high) = (u32::from(largest) + 1, (1_u32 << 16) - u32::from(largest));
                 let is_full =
                     largest >= 255 && (low.is_power_of_two() || (largest > 1 << 15 && high.is_power_of_two()));
-                let count = || data.par_chunks(CHECK_CHUNK).map(|part| count_equal(part, largest)).sum();
-                (f32::from(largest), if is_full { count() } else { 0 })
+                is_full.then(|| f32::from(largest))?
             }
             Pixels::F32(data) => {
                 let of_part = |part: &[f32]| part.iter().copied().fold(f32::NEG_INFINITY, f32::max);
                 let largest = data.par_chunks(CHECK_CHUNK).map(of_part).reduce(|| f32::NEG_INFINITY, f32::max);
-                let count = || data.par_chunks(CHECK_CHUNK).map(|part| count_equal(part, largest)).sum();
-                (largest, if FULL_SCALES.contains(&largest) { count() } else { 0 })
+                FULL_SCALES.contains(&largest).then_some(largest)?
             }
         };
-        (count >= MIN_SATURATED).then_some(full)
+        (self.count_at(full, 0..self.width, 0..self.height) >= MIN_SATURATED).then_some(full)
+    }
+
+    /// The full scale, if it is reached by all pixels of some square of this side.
+    #[must_use]
+    pub fn full_scale_of_square(&self, side: usize) -> Option<f32> {
+        let full = self.full_scale()?;
+        // Number of consecutive rows, up to the present one, in which a run of pixels ends at each column.
+        let mut rows = vec![0; self.width];
+        for v in 0..self.height {
+            if self.count_at(full, 0..self.width, v..v + 1) < side {
+                rows.fill(0);
+                continue;
+            }
+            let mut run = 0;
+            for (u, rows) in rows.iter_mut().enumerate() {
+                run = if self.is_at(full, v * self.width + u) { run + 1 } else { 0 };
+                *rows = if run >= side { *rows + 1 } else { 0 };
+                if *rows >= side {
+                    return Some(full);
+                }
+            }
+        }
+        None
+    }
+
+    /// Whether each pixel is at a grey level, row after row.
+    #[must_use]
+    pub fn pixels_at(&self, level: f32) -> Vec<bool> {
+        (0..self.width * self.height).map(|pixel| self.is_at(level, pixel)).collect()
     }
 
     /// Share of the pixels at the [full scale](Self::full_scale) in a rectangle from the pixel `low` to before the pixel `high`.
     #[must_use]
     pub fn saturated_share(&self, low: [usize; 2], high: [usize; 2]) -> f64 {
-        let Some(full) = self.full_scale() else { return 0.0 };
+        let full = match self.pixels {
+            Pixels::U8(_) => Some(255.0),
+            _ => self.full_scale(),
+        };
+        let Some(full) = full else { return 0.0 };
         let (columns, rows) = (low[0]..high[0].min(self.width), low[1]..high[1].min(self.height));
         if columns.is_empty() || rows.is_empty() {
             return 0.0;
         }
         let pixels = columns.len() * rows.len();
+        let saturated = self.count_at(full, columns, rows);
+        if saturated < MIN_SATURATED { 0.0 } else { saturated as f64 / pixels as f64 }
+    }
+
+    /// Number of pixels of a rectangle that are at a grey level.
+    fn count_at(&self, level: f32, columns: Range<usize>, rows: Range<usize>) -> usize {
         let of_row = |v: usize| {
             let part = v * self.width + columns.start..v * self.width + columns.end;
             match self.pixels {
-                Pixels::U8(data) => count_equal(&data[part], full as u8),
-                Pixels::U16(data) => count_equal(&data[part], full as u16),
-                Pixels::F32(data) => count_equal(&data[part], full),
+                Pixels::U8(data) => count_equal(&data[part], level as u8),
+                Pixels::U16(data) => count_equal(&data[part], level as u16),
+                Pixels::F32(data) => count_equal(&data[part], level),
             }
         };
-        rows.into_par_iter().map(of_row).sum::<usize>() as f64 / pixels as f64
+        rows.into_par_iter().with_min_len(ROWS_PER_TASK).map(of_row).sum()
+    }
+
+    fn is_at(&self, level: f32, pixel: usize) -> bool {
+        match self.pixels {
+            Pixels::U8(data) => f32::from(data[pixel]) == level,
+            Pixels::U16(data) => f32::from(data[pixel]) == level,
+            Pixels::F32(data) => data[pixel] == level,
+        }
     }
 
     /// Converts row `v` into `out`, of length [`width`](Self::width).
@@ -235,7 +284,9 @@ fn convert<T: Copy + Into<f32>>(source: &[T], out: &mut [f32]) {
 
 /// Number of entries that equal `value`.
 fn count_equal<T: PartialEq + Copy>(data: &[T], value: T) -> usize {
-    data.iter().filter(|&&entry| entry == value).count()
+    // Counts of 8 bits are added in wide vectors.
+    let short = |part: &[T]| part.iter().fold(0_u8, |count, &entry| count + u8::from(entry == value));
+    data.chunks(usize::from(u8::MAX)).map(|part| usize::from(short(part))).sum()
 }
 
 fn first_non_finite(data: &[f32]) -> Option<usize> {
@@ -287,11 +338,25 @@ mod tests {
     }
 
     #[test]
+    fn a_square_at_the_full_scale_is_found() {
+        for (left, top, side) in [(0, 0, 3), (7, 7, 3), (2, 4, 4)] {
+            let inside = |k: usize| (left..left + side).contains(&(k % 10)) && (top..top + side).contains(&(k / 10));
+            let data: Vec<u8> = (0..100).map(|k| if inside(k) { 255 } else { 7 }).collect();
+            let view = ImageView::new(10, 10, Pixels::U8(&data)).unwrap();
+            assert_eq!(view.full_scale_of_square(side), Some(255.0), "{left} {top} {side}");
+            assert_eq!(view.full_scale_of_square(side + 1), None);
+            assert_eq!(view.pixels_at(255.0).iter().filter(|&&at| at).count(), side * side);
+        }
+        let stripes: Vec<u8> = (0..100).map(|k| if k / 10 % 2 == 0 { 255 } else { 7 }).collect();
+        assert_eq!(ImageView::new(10, 10, Pixels::U8(&stripes)).unwrap().full_scale_of_square(2), None);
+    }
+
+    #[test]
     fn saturated_share_counts_a_rectangle() {
         let data: Vec<u8> = (0..100).map(|k| if k < 30 { 255 } else { 7 }).collect();
         let view = ImageView::new(10, 10, Pixels::U8(&data)).unwrap();
         assert_eq!(view.saturated_share([0, 0], [10, 10]), 0.3);
-        assert_eq!(view.saturated_share([2, 2], [4, 4]), 0.5);
+        assert_eq!(view.saturated_share([0, 2], [9, 4]), 0.5);
         assert_eq!(view.saturated_share([5, 5], [99, 99]), 0.0);
         assert_eq!(view.saturated_share([12, 0], [14, 3]), 0.0);
     }

@@ -16,6 +16,7 @@ use crate::observation::image_source::view_of;
 use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::ObservationSettings;
 use crate::observation::pixel_mask::PixelMask;
+use crate::observation::used_points::SATURATED_SQUARE;
 use crate::parallel::thread_pool;
 use crate::projection::projected_points::{pixel_displacement, project_nodes};
 use crate::results::covariance;
@@ -72,6 +73,13 @@ pub struct Correlator {
     /// The last deformed image, whose buffer the next one reuses.
     last: Mutex<Option<Interpolator>>,
     pool: Option<ThreadPool>,
+}
+
+/// Full scale of an image and the pixels at the centre of saturated squares, if there are any.
+fn saturation_of(view: ImageView<'_>) -> Option<(f32, PixelMask)> {
+    let full_scale = view.full_scale_of_square(SATURATED_SQUARE)?;
+    let saturated = PixelMask::new(view.width(), view.pixels_at(full_scale)).eroded(SATURATED_SQUARE / 2);
+    Some((full_scale, saturated))
 }
 
 impl fmt::Debug for Correlator {
@@ -143,7 +151,7 @@ impl Correlator {
                     size,
                     require_full_coverage: true,
                     mask: mask.clone(),
-                    full_scale: view.full_scale(),
+                    saturation: saturation_of(view),
                 },
                 // A penalty makes the system ill-conditioned whatever its pivots are.
                 compact: smoothing.is_none() && dofs.pattern.num_dofs() >= COMPACT_DOFS,
@@ -386,7 +394,7 @@ impl Correlator {
             max_iterations,
             max_increment: self.size[0].max(self.size[1]) as f64,
         };
-        let image = (&interpolator, brightness, deformed.full_scale());
+        let image = (&interpolator, brightness, deformed.full_scale_of_square(SATURATED_SQUARE));
         let mut solution = self.level.solve(&self.dofs, image, &iterations, (field, &[]), &mut history, monitor)?;
         if self.size[0] * self.size[1] <= MAX_KEPT_PIXELS {
             *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);

@@ -12,7 +12,6 @@ use crate::observation::photometry::{FLAT, Moments};
 use crate::observation::pixel_mask::PixelMask;
 use crate::observation::reference_pass::{ReferencePass, ReferenceSums, touches_cell, typical_grey_level};
 use crate::observation::reference_samples::ReferenceSamples;
-use crate::observation::used_points::saturated_from;
 use crate::observation::weights::cell_weights;
 use crate::observation::workspace::Workspace;
 use crate::parallel::for_each_in_order;
@@ -51,8 +50,8 @@ pub(crate) struct ObservationSettings {
     pub(crate) require_full_coverage: bool,
     /// Pixels whose points get no weight.
     pub(crate) mask: Option<Arc<PixelMask>>,
-    /// Full scale of the grey levels if the image reaches it: saturated points get no weight.
-    pub(crate) full_scale: Option<f32>,
+    /// Full scale of the grey levels and saturated pixels, if there are any: points among them get no weight.
+    pub(crate) saturation: Option<(f32, PixelMask)>,
 }
 
 impl<const D: usize> Observation<D> {
@@ -83,9 +82,10 @@ impl<const D: usize> Observation<D> {
         let num_points = quadrature.num_points();
         let nodes = project_nodes::<D>(mesh, camera.as_ref(), None);
         let mask = settings.mask.as_deref();
-        let any_may_drop = !settings.require_full_coverage || settings.full_scale.is_some();
-        let masked = |cell| mask.is_some_and(|mask| touches_cell(mask, mesh.cell(cell).nodes, &nodes));
-        let weights = cell_weights(mesh, &quadrature, |cell| any_may_drop || masked(cell));
+        let saturation = settings.saturation.as_ref();
+        let masks = || mask.into_iter().chain(saturation.map(|(_, pixels)| pixels));
+        let masked = |cell| masks().any(|mask| touches_cell(mask, mesh.cell(cell).nodes, &nodes));
+        let weights = cell_weights(mesh, &quadrature, |cell| !settings.require_full_coverage || masked(cell));
         let mut samples =
             ReferenceSamples::zeros(&quadrature, &weights).ok_or(SolveError::TooManyPoints { points: num_points })?;
         let grey_origin = typical_grey_level(&reference, &nodes);
@@ -97,7 +97,7 @@ impl<const D: usize> Observation<D> {
             nodes: &nodes,
             grey_origin,
             mask,
-            saturated: settings.full_scale.map(saturated_from),
+            saturation,
         };
         let (mut moments, mut total) = (Vec::with_capacity(mesh.num_cells()), Moments::default());
         let (mut outside, mut jacobians) = (Vec::new(), Vec::with_capacity(mesh.num_cells()));
@@ -130,7 +130,7 @@ impl<const D: usize> Observation<D> {
         if settings.require_full_coverage && !outside.is_empty() {
             return Err(refuse(outside));
         }
-        if num_points > 0 && total.weight == 0.0 && (mask.is_some() || settings.full_scale.is_some()) {
+        if num_points > 0 && total.weight == 0.0 && masks().next().is_some() {
             return Err(Error::NoUsablePoints);
         }
         let std = total.std_f();

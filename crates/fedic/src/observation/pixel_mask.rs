@@ -23,6 +23,12 @@ impl PixelMask {
         Self { masked: columns, ..transposed }.transposed()
     }
 
+    /// The pixels around which a square of this half width is masked.
+    pub(crate) fn eroded(&self, radius: usize) -> Self {
+        let inverted = |mask: Self| Self { masked: mask.masked.iter().map(|masked| !masked).collect(), ..mask };
+        inverted(inverted(self.clone()).dilated(radius))
+    }
+
     /// The mask of an image reduced to half its size: a pixel is masked if one of its four is.
     pub(crate) fn reduced(&self) -> Self {
         let (width, height) = (self.width / 2, self.height / 2);
@@ -106,6 +112,13 @@ mod tests {
             let (u, v) = (k % 7, k / 7);
             assert_eq!(mask.masked[k], u <= 3 && (1..=5).contains(&v), "({u}, {v})");
         }
+    }
+
+    #[test]
+    fn erosion_undoes_dilation() {
+        let mask = one_pixel(9, 8, 4, 3);
+        assert_eq!(mask.dilated(2).eroded(2), mask);
+        assert!(!mask.eroded(1).masked.contains(&true));
     }
 
     #[test]

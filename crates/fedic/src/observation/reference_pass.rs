@@ -13,7 +13,7 @@ use crate::observation::cell_context::{CellContext, ImagePoints, exact_sensitivi
 use crate::observation::photometry::{Moments, change_origin};
 use crate::observation::pixel_mask::PixelMask;
 use crate::observation::reference_samples::CellSamplesMut;
-use crate::observation::used_points::is_too_few;
+use crate::observation::used_points::{is_too_few, saturated_from};
 use crate::observation::weights::fill_weights;
 use crate::observation::workspace::Workspace;
 use crate::projection::polynomial_basis::PolynomialBasis;
@@ -34,8 +34,8 @@ pub(crate) struct ReferencePass<'a> {
     pub(crate) grey_origin: f32,
     /// Pixels whose points get no weight.
     pub(crate) mask: Option<&'a PixelMask>,
-    /// Grey level from which on a point is saturated and gets no weight.
-    pub(crate) saturated: Option<f32>,
+    /// Full scale and saturated pixels, whose points get no weight.
+    pub(crate) saturation: Option<&'a (f32, PixelMask)>,
 }
 
 /// Sums over the points of a cell.
@@ -85,7 +85,10 @@ impl ReferencePass<'_> {
     fn evaluate<const D: usize>(&self, workspace: &mut Workspace<D>, context: &CellContext<'_, D>, value: &mut [f32]) {
         let Workspace { projector, points: buffers, .. } = workspace;
         let ([along_u, along_v], q) = (&mut buffers.gradient, &mut buffers.q);
-        let mask = self.mask.filter(|mask| touches_cell(mask, self.mesh.cell(context.cell).nodes, self.nodes));
+        let touches = |mask: &PixelMask| touches_cell(mask, self.mesh.cell(context.cell).nodes, self.nodes);
+        let mask = self.mask.filter(|mask| touches(mask));
+        let saturation = self.saturation.filter(|(_, pixels)| touches(pixels));
+        let saturated = saturation.map(|&(full_scale, _)| saturated_from(full_scale));
         context.for_each_projection(projector, |image_points, points| {
             let gradient = [&mut along_u[points.clone()], &mut along_v[points.clone()]];
             let value = &mut value[points.clone()];
@@ -94,12 +97,12 @@ impl ReferencePass<'_> {
                     self.image.values_and_gradients_near(origin, u, v, value, gradient);
                     let [column, row] = origin.map(|c| c as f64);
                     let at = |k: usize| (column + f64::from(u[k]), row + f64::from(v[k]));
-                    mark(value, mask, self.saturated, at);
+                    mark(value, mask, saturated, at);
                 }
                 ImagePoints::Exact(batch) => {
                     let [u, v] = batch.pixels();
                     self.image.values_and_gradients(u, v, value, gradient);
-                    mark(value, mask, self.saturated, |k| (u[k], v[k]));
+                    mark(value, mask, saturated, |k| (u[k], v[k]));
                     exact_sensitivity(batch, points, |k| [along_u[k], along_v[k]], q);
                 }
             }

@@ -9,6 +9,8 @@ const POINTS_PER_UNKNOWN: usize = 2;
 /// Part of the full scale up to which a grey level counts as saturated. A grey level comes this close only where all the pixels
 /// that it is interpolated from are saturated.
 const SATURATED: f32 = 0.998;
+/// Side, in pixels, of the smallest square whose saturation is looked for: that which an interpolation reads.
+pub(crate) const SATURATED_SQUARE: usize = 5;
 /// Correction in pixels below which the set of used points may only shrink.
 const FROZEN_CORRECTION: f64 = 0.5;
 /// Number of corrections after which it may only shrink, however large they are.

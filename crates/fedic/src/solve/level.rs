@@ -128,7 +128,7 @@ impl<const D: usize> Level<D> {
             hessian.add_scaled(factor, smoothing.matrix());
             penalty = Some((smoothing, factor));
         }
-        if settings.observation.mask.is_some() || settings.observation.full_scale.is_some() {
+        if settings.observation.mask.is_some() || settings.observation.saturation.is_some() {
             hold_weak_nodes(dofs, &mut hessian);
         }
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;

@@ -68,7 +68,7 @@ impl<const D: usize> Pyramid<D> {
                     size: [image.width(), image.height()],
                     require_full_coverage: false,
                     mask: mask.clone(),
-                    full_scale: None,
+                    saturation: None,
                 },
                 smoothing: Some(Smoothing::Gradient { laplacian: Arc::clone(laplacian), wavelength: WAVELENGTH }),
                 filter: None,
