@@ -131,7 +131,7 @@ def test_saturated_points_carry_no_weight_and_are_said() -> None:
     assert share[1] == pytest.approx(61 * 61 / 202**2, rel=0.1)
     assert result.quality.cells("few-points").size >= 1
     error = np.linalg.norm(result.displacement - (moved(MATRIX, MESH.points) - MESH.points), axis=1)
-    assert np.nanmax(error[result.quality.node_flags == 0]) < 0.3
+    assert not (error[result.quality.node_flags == 0] > 0.3).any()
 
 
 def test_textures_that_touch_the_full_scale_are_measured() -> None:

@@ -338,6 +338,9 @@ def draw_nodal_field(
     low, high = limits or _colour_limits(values[mesh.used_nodes])
     points, all_values, triangles = _triangles(mesh, pixels, values)
     is_known = np.isfinite(points[triangles]).all(axis=(1, 2)) & np.isfinite(all_values[triangles]).all(axis=1)
+    colours = Normalize(low, high)
+    if not is_known.any():
+        return ScalarMappable(colours, SEQUENTIAL)
     return axes.tripcolor(
         points[:, 0],
         points[:, 1],
@@ -345,14 +348,17 @@ def draw_nodal_field(
         triangles=triangles[is_known],
         shading="gouraud",
         cmap=SIGNED if low == -high else SEQUENTIAL,
-        norm=Normalize(low, high),
+        norm=colours,
         alpha=alpha,
     )
 
 
 def _colour_limits(values: Floats) -> tuple[float, float]:
     """Return limits of the field without its extreme values, symmetric about zero if it clearly has both signs."""
-    low, high = np.nanpercentile(values, (_CLIPPED_PERCENT, 100.0 - _CLIPPED_PERCENT))
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return 0.0, 1.0
+    low, high = np.percentile(known, (_CLIPPED_PERCENT, 100.0 - _CLIPPED_PERCENT))
     reach = max(abs(low), abs(high))
     if low < 0.0 < high and min(-low, high) > 0.1 * reach:
         return -float(reach), float(reach)
