@@ -134,6 +134,33 @@ def test_no_node_is_silently_wrong_beside_a_crack(cell: str, opening: float) -> 
     assert silent(result, truth).size == 0
 
 
+@pytest.mark.parametrize("gap", [20, 120])
+@pytest.mark.parametrize("cell", ["quad", "triangle"])
+def test_no_node_is_silently_wrong_at_the_lips_of_a_crack_in_the_mesh(cell: str, gap: int) -> None:
+    reference = pair(motion(side=SIDE), side=SIDE)[0]
+    v, u = np.mgrid[0:SIDE, 0:SIDE].astype(np.float32)
+    opening = 2.0
+    from_v = np.where(v < 150, v + opening / 2, v - opening / 2)
+    deformed = cv2.remap(reference, u, from_v.astype(np.float32), cv2.INTER_CUBIC)
+    deformed[np.abs(v - 150) < opening / 2] = gap
+    upper, lower = (
+        fedic.rectangle_mesh((50, top, 250, top + 100), size=20, cell=cell)  # type: ignore[arg-type]
+        for top in (50, 150)
+    )
+    mesh = fedic.Mesh(
+        np.concatenate([upper.points, lower.points]),
+        {cell: np.concatenate([upper.cells[cell], lower.cells[cell] + upper.num_nodes])},
+    )
+    result = measured(reference, deformed, mesh)
+    assert result is not None
+    assert not result.quality.is_good
+    truth = np.zeros((mesh.num_nodes, 2))
+    truth[:, 1] = np.where(np.arange(mesh.num_nodes) < upper.num_nodes, -opening / 2, opening / 2)
+    assert silent(result, truth).size == 0
+    lips = np.abs(mesh.points[:, 1] - 150) < 1
+    assert (result.quality.node_flags[lips] != 0).mean() > 0.8
+
+
 @pytest.mark.parametrize("shift", [2.0, 5.0, 7.0, 14.0])
 @pytest.mark.parametrize("start", ["auto", "pyramid", "fft"])
 def test_periodic_textures_are_said_to_be_ambiguous(start: str, shift: float) -> None:
