@@ -161,7 +161,7 @@ fn an_unknown_option_is_refused_with_the_known_ones() {
     assert_eq!(
         error.to_string(),
         "there is no option \"smoothin\"; the options are quadrature, interpolation, gradient, smoothing, brightness, \
-         hessian, regularization_length, tolerance, max_iterations, num_threads"
+         hessian, regularization_length, tolerance, noise, max_iterations, num_threads"
     );
 }
 

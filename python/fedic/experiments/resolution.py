@@ -167,7 +167,7 @@ def _averages(quick: bool) -> dict[str, list[tuple[float, float]]]:
 
 
 def _measure(star: Star, laid: StarMesh, options: Options) -> Result:
-    return correlate(star.reference, star.deformed, laid.mesh, **options)
+    return correlate(star.reference, star.deformed, laid.mesh, initial="zero", **options)
 
 
 def _judged(
@@ -212,7 +212,7 @@ def _symmetric(star: Star, chosen: CellAndSize) -> Measured:
     """Average the motion and the negative motion back, evaluated at the displaced nodes."""
     laid = star_mesh(star, chosen[1], chosen[0])
     there = _measure(star, laid, PLAIN)
-    back = correlate(star.deformed, star.reference, laid.mesh, **PLAIN)
+    back = correlate(star.deformed, star.reference, laid.mesh, initial="zero", **PLAIN)
     forth = there.unchecked_displacement
     returned = laid.mesh.interpolate(back.unchecked_displacement, laid.mesh.points + forth)
     returned = np.where(np.isnan(returned), -forth, returned)

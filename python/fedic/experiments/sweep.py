@@ -116,7 +116,7 @@ def measure_shifts(
     biases, stds, iterations, converged = [], [], 0, True
     for image, shift in zip(deformed, shifts, strict=True):
         try:
-            result = correlator.correlate(image)
+            result = correlator.correlate(image, initial="zero")
         except SolveError:
             missing = (np.nan,) * len(shifts)
             return Accuracy(missing, missing, MAX_ITERATIONS, False, correlator.num_points)
