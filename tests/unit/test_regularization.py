@@ -94,3 +94,16 @@ def test_uniform_strain_and_rotation_are_left_alone_up_to_the_free_edges(
     assert result.converged
     expected = (mesh.points[:, :2] - centre) @ (gradient - np.eye(2)).T
     assert np.abs(result.displacement - expected).max() < 0.01
+
+
+def test_noise_and_resolution_of_a_regularized_result(
+    scene: tuple[int, NDArray[np.float32], NDArray[np.float32]],
+) -> None:
+    _, reference, _ = scene
+    mesh = fedic.rectangle_mesh(BOUNDS, 20.0)
+    plain = fedic.correlate(reference, reference, mesh)
+    smooth = fedic.correlate(reference, reference, mesh, regularization_length=120.0)
+    assert (plain.resolution, smooth.resolution) == (None, 120.0)
+    assert smooth.summary()["resolution"] == 120.0
+    lowered = np.linalg.norm(smooth.standard_deviations(1.0)) / np.linalg.norm(plain.standard_deviations(1.0))
+    assert 0.1 < lowered < 0.5

@@ -117,6 +117,15 @@ class Result:
         )
 
     @property
+    def resolution(self) -> float | None:
+        """Wavelength in pixels of the displacements whose amplitude the regularization halves; None without one.
+
+        `standard_deviations` gives the noise that is left.
+        """
+        length = None if self._measurement is None else self._measurement.options.get("regularization_length")
+        return None if length is None else float(length)
+
+    @property
     def valid_nodes(self) -> NDArray[np.bool_]:
         """Nodes that were measured, shape (n,): those of at least one valid cell."""
         return self.quality.valid_nodes & self.mesh.used_nodes
@@ -315,8 +324,8 @@ class Result:
         -------
         dict
             ``converged``, ``error_left`` and ``residual_rms`` (None if not finite), ``iterations``, ``num_nodes``,
-            ``num_cells``, ``num_points``, ``outside_cells``, ``start``, ``attempts`` (list of dict) and ``quality``,
-            the summary of the verdict.
+            ``num_cells``, ``num_points``, ``outside_cells``, ``resolution``, ``start``, ``attempts`` (list of dict)
+            and ``quality``, the summary of the verdict.
         """
         return {
             "converged": self.converged,
@@ -327,6 +336,7 @@ class Result:
             "num_cells": self.mesh.num_cells,
             "num_points": self.num_points,
             "outside_cells": self.outside_cells.tolist(),
+            "resolution": self.resolution,
             "start": self.start,
             "attempts": [_with_finite(attempt._asdict()) for attempt in self.attempts],
             "quality": self.quality.summary(),
