@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use fedic_mesh::Mesh;
+use fedic_mesh::{CellType, Mesh};
 
 use crate::PLANE;
 use crate::equations::deformation::folded_cells;
@@ -59,7 +59,9 @@ impl Judged<'_> {
 
     fn cell_flags(&self, folded: &[bool], variance: f64, averaged: f64) -> Vec<u8> {
         let weakest = GRADIENT_TO_NOISE * (0.5 * averaged * variance).sqrt() * noise_gradient(self.smoothing);
+        let smallest_misfits = CellType::ALL.map(smallest_misfit);
         let flags = |(index, cell): (usize, &CellAgreement)| {
+            let smallest_misfit = smallest_misfits[self.mesh.cell(index).cell_type as usize];
             let independent = (cell.used * self.level.textures[index].pixels / averaged).max(1.0);
             let is_significant = cell.scatter * cell.scatter > largest_mean_square(independent) * variance;
             let of_images = if cell.used.is_nan() || cell.used <= 0.0 {
@@ -68,7 +70,7 @@ impl Judged<'_> {
                 CellFlag::Uncorrelated.bit()
             } else if self.level.textures[index].gradient < weakest {
                 CellFlag::WeakTexture.bit()
-            } else if is_significant && self.misfit(index, variance) > self.smallest_misfit(index) {
+            } else if is_significant && self.misfit(index, variance) > smallest_misfit {
                 CellFlag::Misfit.bit()
             } else if self.light(index) > MAX_LIGHT {
                 CellFlag::Light.bit()
@@ -107,12 +109,6 @@ impl Judged<'_> {
     fn light(&self, cell: usize) -> f64 {
         let CellAgreement { residual, scatter, .. } = self.cells[cell];
         (residual * residual - scatter * scatter).max(0.0).sqrt() / self.level.textures[cell].gradient
-    }
-
-    /// Misfit of a cell, in pixels, one of whose nodes is wrong by [`NODE_ERROR`]: the one that moves the cell least.
-    fn smallest_misfit(&self, cell: usize) -> f64 {
-        let shapes = mean_squared_shapes(self.mesh.cell(cell).cell_type);
-        NODE_ERROR * shapes.into_iter().fold(f64::INFINITY, f64::min).sqrt()
     }
 
     /// Standard deviation of each node in its worst direction, in pixels, and ratio of the best to the worst.
@@ -157,6 +153,11 @@ impl Judged<'_> {
         };
         (0..num_nodes).map(flags).collect()
     }
+}
+
+/// Misfit of a cell, in pixels, one of whose nodes is wrong by [`NODE_ERROR`]: the one that moves the cell least.
+fn smallest_misfit(cell_type: CellType) -> f64 {
+    NODE_ERROR * mean_squared_shapes(cell_type).into_iter().fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// Root mean square of the gradient of unit white noise along one direction, after a smoothing and the interpolation.
