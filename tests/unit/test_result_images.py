@@ -35,7 +35,10 @@ def test_a_result_gives_what_its_correlator_gives(kept: bool) -> None:
     reference, deformed = pair()
     correlator = fedic.Correlator(reference, MESH, **OPTIONS)
     result = correlator.correlate(deformed)
-    residual, deviations = correlator.residual_map(deformed, result.displacement), correlator.standard_deviations(2.0)
+    residual, deviations = (
+        correlator.residual_map(deformed, result.displacement),
+        correlator.standard_deviations(2.0, result.displacement),
+    )
     if not kept:
         gone = weakref.ref(correlator)
         del correlator
@@ -52,7 +55,9 @@ def test_a_result_of_correlate_gives_the_same() -> None:
     result = fedic.correlate(reference, deformed, MESH, **OPTIONS)
     correlator = fedic.Correlator(reference, MESH, **OPTIONS)
     np.testing.assert_array_equal(result.residual_map(), correlator.residual_map(deformed, result.displacement))
-    np.testing.assert_array_equal(result.standard_deviations(2.0), correlator.standard_deviations(2.0))
+    np.testing.assert_array_equal(
+        result.standard_deviations(2.0), correlator.standard_deviations(2.0, result.displacement)
+    )
 
 
 def test_the_map_is_that_of_a_replaced_displacement() -> None:

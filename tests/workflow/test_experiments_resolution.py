@@ -126,7 +126,7 @@ def test_reconstruction_preserves_polynomials_of_its_degree(space: Space, power:
 
 def test_convergence_experiment_holds_its_claims(convergence: Outcome) -> None:
     assert broken(convergence.claims) == []
-    far = row_of(convergence, variant="zero", motion="translation", amount=48.0, size_px=20, turn_deg=30.0)
+    far = row_of(convergence, variant="zero", motion="translation", amount=8.0, size_px=20, turn_deg=30.0)
     assert not far["found"]
     assert row_of(convergence, variant="pyramid", motion="translation", amount=48.0, size_px=20, turn_deg=30.0)["found"]
     lost = row_of(convergence, variant="pyramid", motion="translation", amount=200.0, size_px=20, turn_deg=30.0)

@@ -174,7 +174,7 @@ class _SceneStudy:
             "amount": motion.amount,
             "turn_deg": motion.turn,
         }
-        initial = None if variant not in STARTS or variant == "zero" else variant
+        initial = variant if variant in STARTS else "zero"
         try:
             result = correlator.correlate(self._images[motion], initial)
         except SolveError:
