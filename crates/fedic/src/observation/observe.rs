@@ -113,8 +113,7 @@ impl<const D: usize> Observation<D> {
                     add_to_nodes(mesh.cell(cell).nodes, sums, vector);
                 }
                 let of_cell = mesh.cell(cell).nodes;
-                let blocks: Vec<_> = (0..of_cell.len()).map(|a| sums.matrix.node_block(a)).collect();
-                add_node_blocks(of_cell, &blocks, &mut node_blocks);
+                add_node_blocks(of_cell, (0..of_cell.len()).map(|a| sums.matrix.node_block(a)), &mut node_blocks);
                 full_weights.push(sums.full_weight);
                 total.add(&sums.moments);
                 moments.push(sums.moments);
@@ -177,7 +176,11 @@ pub(crate) fn add_to_nodes<const D: usize>(nodes: &[u32], sums: &[[f64; D]], vec
 }
 
 /// Adds the diagonal blocks of the Hessian of a cell to those of its nodes.
-pub(crate) fn add_node_blocks<const D: usize>(nodes: &[u32], blocks: &[[[f64; D]; D]], sums: &mut [[[f64; D]; D]]) {
+pub(crate) fn add_node_blocks<const D: usize>(
+    nodes: &[u32],
+    blocks: impl IntoIterator<Item = [[f64; D]; D]>,
+    sums: &mut [[[f64; D]; D]],
+) {
     for (&node, block) in nodes.iter().zip(blocks) {
         let sums = sums[node as usize].as_flattened_mut();
         sums.iter_mut().zip(block.as_flattened()).for_each(|(sum, entry)| *sum += entry);

@@ -70,14 +70,14 @@ impl ReferencePass<'_> {
         };
         workspace.points.resize(context.count());
         self.evaluate(workspace, &context, samples.value);
-        let Weighed { full_weight, outside } = self.weigh(workspace, &context, &mut samples);
+        let weighed = self.weigh(workspace, &context, &mut samples);
         samples.store_gradient(workspace.points.gradient.each_ref().map(|along| &**along));
-        let sums = self.sum(workspace, &context, &samples, scale);
+        let sums = self.sum(workspace, &context, &samples, scale, &weighed);
         if let Some(next) = CellPrefetch::new(self.image.interpolator(), self.mesh, Some(cell + 1), self.nodes) {
             next.prefetch_upper_half();
             next.prefetch_lower_half();
         }
-        ReferenceSums { full_weight: scale * full_weight, outside, ..sums }
+        sums
     }
 
     /// Evaluates grey levels and gradients, and sensitivities where the cell has no polynomial. The grey level is infinite at masked
@@ -152,6 +152,7 @@ impl ReferencePass<'_> {
         context: &CellContext<'_, D>,
         samples: &CellSamplesMut<'_>,
         scale: f64,
+        weighed: &Weighed,
     ) -> ReferenceSums<D> {
         let basis = PolynomialBasis::of(context.cell_type);
         let (value, weights) = (&*samples.value, samples.weights.as_deref());
@@ -192,10 +193,10 @@ impl ReferencePass<'_> {
         ReferenceSums {
             matrix,
             moments: Moments { weight, f, ff, ..Moments::default() },
-            full_weight: weight,
+            full_weight: scale * weighed.full_weight,
             photometric,
             jacobian,
-            outside: false,
+            outside: weighed.outside,
         }
     }
 }

@@ -152,3 +152,26 @@ impl SharedShapeTables {
         self.of_cell[cell].map(|table| &self.tables[table as usize])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Exact moments: 1/9 of a quad, 1/6 of a triangle, and of a quad9 the products of 2/15 (ends) and 8/15 (middle).
+    #[test]
+    fn mean_squared_shapes_are_the_exact_moments() {
+        let (end, middle) = (2.0 / 15.0, 8.0 / 15.0);
+        let quad9 =
+            [end * end, end * end, end * end, end * end, end * middle, end * middle, end * middle, end * middle];
+        let expected = [
+            (CellType::Quad, vec![1.0 / 9.0; 4]),
+            (CellType::Triangle, vec![1.0 / 6.0; 3]),
+            (CellType::Quad9, quad9.into_iter().chain([middle * middle]).collect()),
+        ];
+        for (cell_type, expected) in expected {
+            for (found, expected) in mean_squared_shapes(cell_type).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 0.02 * expected, "{cell_type}: {found} {expected}");
+            }
+        }
+    }
+}

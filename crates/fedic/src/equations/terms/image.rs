@@ -361,7 +361,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
                 let (share, blocks) = &result.share;
                 basis.add_cell(cell, share, equations);
                 if let (Some(sums), Some(blocks)) = (&mut node_blocks, blocks) {
-                    add_node_blocks(self.mesh.cell(cell).nodes, blocks, sums);
+                    add_node_blocks(self.mesh.cell(cell).nodes, blocks.iter().copied(), sums);
                 }
                 moments.add(&result.moments);
                 report.cost += result.squares;
