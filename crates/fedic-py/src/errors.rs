@@ -124,9 +124,13 @@ impl IntoPyErr for Error {
             Self::Option(error) => error.into_py_err(),
             Self::Solve(error) => error.into_py_err(),
             Self::SelfCalibration(error) => error.into_py_err(),
-            Self::MeshOutsideImage { cells, .. } => python::MeshError::new_err((message, cells)),
+            Self::EdgeOn { .. } => mesh_error(message),
+            Self::MeshOutsideImage { cells, .. } | Self::HiddenCells { cells, .. } => {
+                python::MeshError::new_err((message, cells))
+            }
             Self::SizeMismatch { .. } | Self::Flat { .. } | Self::ReferenceUnavailable { .. } => image_error(message),
-            Self::MaskSize { .. } | Self::NoUsablePoints => option_error(message, "mask"),
+            Self::MaskSize { .. } | Self::NoUsablePoints { masked: true } => option_error(message, "mask"),
+            Self::NoUsablePoints { masked: false } => image_error(message),
             Self::Cancelled => PyKeyboardInterrupt::new_err(message),
             _ => internal_error(message),
         }

@@ -19,6 +19,7 @@ use crate::observation::pixel_mask::PixelMask;
 use crate::observation::used_points::SATURATED_SQUARE;
 use crate::parallel::thread_pool;
 use crate::projection::projected_points::{pixel_displacement, project_nodes};
+use crate::projection::visibility::check_visibility;
 use crate::results::covariance;
 use crate::results::flags::NodeFlag;
 use crate::results::residual_map::{ImagePair, residual_map};
@@ -99,7 +100,8 @@ impl Correlator {
     ///
     /// # Errors
     ///
-    /// [`Error`] if an option is out of its range, the mesh leaves the image, the image is flat, or it does not determine the
+    /// [`Error`] if an option is out of its range, the camera does not see the mesh from its front, the mesh leaves the image, the
+    /// image is flat, or it does not determine the
     /// displacement of every node.
     pub fn new(
         reference: Arc<dyn ImageSource>,
@@ -127,6 +129,7 @@ impl Correlator {
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         options.check()?;
+        check_visibility(mesh, camera.as_ref())?;
         let pool = options.num_threads.map(thread_pool).transpose()?;
         let prepare = |view: ImageView<'_>| {
             let size = [view.width(), view.height()];

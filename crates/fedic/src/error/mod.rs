@@ -54,6 +54,28 @@ pub enum Error {
         /// Rows of the image.
         height: usize,
     },
+    /// One camera cannot measure a surface in this position.
+    #[error(
+        "{}; one camera measures the motion along x and y of a surface that faces z and the camera: turn the mesh, and the camera \
+         with it, so that the surface lies about parallel to the (x, y) plane (mesh.rotated)",
+        if *vertical { "the surface of the mesh is parallel to the z axis" }
+        else { "the camera looks along the surface of the mesh, or along the (x, y) plane" }
+    )]
+    EdgeOn {
+        /// Whether the surface is parallel to the `z` axis.
+        vertical: bool,
+    },
+    /// Cells face away from the camera.
+    #[error(
+        "{} of {num_cells} cells face away from the camera, which sees the other side of the surface: {}; leave them out, or \
+         measure that part in other images", cells.len(), list_indices("cell", cells)
+    )]
+    HiddenCells {
+        /// The cells.
+        cells: Vec<usize>,
+        /// Number of cells of the mesh.
+        num_cells: usize,
+    },
     /// The two images differ in size.
     #[error(
         "the reference image has {} x {} pixels (columns x rows), the deformed one {} x {}; both must come from the same camera",
@@ -87,10 +109,14 @@ pub enum Error {
     },
     /// Masked and saturated points leave nothing to measure.
     #[error(
-        "no cell of the mesh has enough points in the reference image that are neither masked nor saturated; check the mask \
-         (true where a pixel is left out) and the exposure"
+        "no cell of the mesh has enough points in the reference image that are {}",
+        if *masked { "neither masked nor saturated; check the mask (true where a pixel is left out) and the exposure" }
+        else { "not saturated; reduce the exposure" }
     )]
-    NoUsablePoints,
+    NoUsablePoints {
+        /// Whether pixels are masked.
+        masked: bool,
+    },
     /// The reference image is needed again and cannot be viewed.
     #[error("the reference image cannot be read again: {reason}")]
     ReferenceUnavailable {

@@ -8,7 +8,7 @@ use fedic_mesh::Mesh;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::gradient::LinearJacobian;
 use crate::observation::cell_context::exact_sensitivity;
-use crate::observation::photometry::{FLAT, Moments};
+use crate::observation::photometry::Moments;
 use crate::observation::pixel_mask::PixelMask;
 use crate::observation::reference_pass::{ReferencePass, ReferenceSums, touches_cell, typical_grey_level};
 use crate::observation::reference_samples::ReferenceSamples;
@@ -130,11 +130,10 @@ impl<const D: usize> Observation<D> {
             return Err(refuse(outside));
         }
         if num_points > 0 && total.weight == 0.0 && masks().next().is_some() {
-            return Err(Error::NoUsablePoints);
+            return Err(Error::NoUsablePoints { masked: mask.is_some() });
         }
-        let std = total.std_f();
-        if num_points > 0 && (std.is_nan() || std <= FLAT) {
-            return Err(Error::Flat { which: "reference", std });
+        if num_points > 0 && total.is_flat_f(f64::from(grey_origin)) {
+            return Err(Error::Flat { which: "reference", std: total.std_f() });
         }
         Ok(Self {
             camera,

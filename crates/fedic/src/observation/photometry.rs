@@ -1,7 +1,12 @@
 //! Gain and offset that bring the grey levels of the deformed image to those of the reference image.
 
-/// Standard deviation, in grey levels, up to which an image is flat.
-pub(crate) const FLAT: f64 = 1e-3;
+/// Rounding of grey levels in single precision and by the interpolation, relative to their size.
+const ROUNDING: f64 = 1e-6;
+
+/// Returns `true` if a standard deviation is no larger than the rounding of grey levels of this size: a constant image.
+pub(crate) fn is_flat(std: f64, level: f64) -> bool {
+    std.is_nan() || std <= ROUNDING * level.abs()
+}
 
 /// Weighted moments of the two images over some quadrature points. Grey levels are counted from an origin near their mean.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -65,15 +70,25 @@ impl Moments {
         self.std(self.g, self.gg)
     }
 
+    /// Returns `true` if the reference image is constant. Grey levels are counted from `origin`.
+    pub(crate) fn is_flat_f(&self, origin: f64) -> bool {
+        is_flat(self.std_f(), origin + self.f / self.weight)
+    }
+
+    /// Returns `true` if the deformed image is constant. Grey levels are counted from `origin`.
+    pub(crate) fn is_flat_g(&self, origin: f64) -> bool {
+        is_flat(self.std_g(), origin + self.g / self.weight)
+    }
+
     /// Standard deviation of the residual `f - a g - b` with the best `a` and `b`, and the correlation coefficient of `f` and `g`.
-    /// `squares` is the sum of the squared residuals with this gain and offset, of grey levels counted from the same origin.
-    pub(crate) fn regression(&self, squares: f64, GainOffset { gain, offset }: GainOffset) -> (f64, f64) {
+    /// `squares` is the sum of the squared residuals with this gain and offset, of grey levels counted from the same `origin`.
+    pub(crate) fn regression(&self, squares: f64, GainOffset { gain, offset }: GainOffset, origin: f64) -> (f64, f64) {
         let Self { weight, f, ff, g, gg } = *self;
         let of_squares = ff + gain * gain * gg + offset * offset * weight + 2.0 * offset * (gain * g - f);
         let product = (of_squares - squares) / (2.0 * gain);
         let covariance = product / weight - (f / weight) * (g / weight);
         let (std_f, std_g) = (self.std_f(), self.std_g());
-        if std_f <= FLAT || std_g <= FLAT {
+        if self.is_flat_f(origin) || self.is_flat_g(origin) {
             return (std_f, 0.0);
         }
         let correlation = (covariance / (std_f * std_g)).clamp(-1.0, 1.0);
@@ -85,12 +100,13 @@ impl Moments {
     }
 
     /// Matches mean and standard deviation of `g` to those of `f`; the mean alone if an image is flat; the identity without points.
-    pub(crate) fn gain_offset(&self) -> GainOffset {
+    ///
+    /// Grey levels are counted from `origin`.
+    pub(crate) fn gain_offset(&self, origin: f64) -> GainOffset {
         if self.weight <= 0.0 {
             return GainOffset::IDENTITY;
         }
-        let (std_f, std_g) = (self.std_f(), self.std_g());
-        let gain = if std_f > FLAT && std_g > FLAT { std_f / std_g } else { 1.0 };
+        let gain = if self.is_flat_f(origin) || self.is_flat_g(origin) { 1.0 } else { self.std_f() / self.std_g() };
         GainOffset { gain, offset: (self.f - gain * self.g) / self.weight }
     }
 }
@@ -106,7 +122,7 @@ mod tests {
         for (w, f, g) in points {
             moments.add_point(w, f, g);
         }
-        let c = moments.gain_offset();
+        let c = moments.gain_offset(0.0);
         let mut corrected = Moments::default();
         for (w, f, g) in points {
             let g = c.gain * g + c.offset;
@@ -115,7 +131,7 @@ mod tests {
         assert!((corrected.g - corrected.f).abs() < 1e-12 && (corrected.std_g() - corrected.std_f()).abs() < 1e-12);
         let mut shifted = Moments::default();
         points.iter().for_each(|&(w, f, g)| shifted.add_point(w, f - 7.0, g - 7.0));
-        let same = shifted.gain_offset().counted_from_zero(7.0);
+        let same = shifted.gain_offset(7.0).counted_from_zero(7.0);
         assert!((same.gain - c.gain).abs() < 1e-12 && (same.offset - c.offset).abs() < 1e-11);
     }
 
@@ -145,11 +161,11 @@ mod tests {
         let expected = ((ff - fg * fg / gg) / weight).sqrt();
         for (gain, offset) in [(1.0, 0.0), (0.7, 3.0), (-1.2, 20.0)] {
             let squares = points.iter().map(|&(w, f, g)| w * (f - gain * g - offset).powi(2)).sum();
-            let (scatter, correlation) = moments.regression(squares, GainOffset { gain, offset });
+            let (scatter, correlation) = moments.regression(squares, GainOffset { gain, offset }, 0.0);
             assert!((scatter - expected).abs() < 1e-12 && (correlation - fg / (ff * gg).sqrt()).abs() < 1e-12);
         }
         let flat = Moments { gg: moments.weight * 16.0, g: moments.weight * 4.0, ..moments };
-        assert_eq!(flat.regression(1.0, GainOffset::IDENTITY).1, 0.0);
+        assert_eq!(flat.regression(1.0, GainOffset::IDENTITY, 0.0).1, 0.0);
     }
 
     #[test]
@@ -157,7 +173,19 @@ mod tests {
         let mut moments = Moments::default();
         moments.add_point(1.0, 10.0, 4.0);
         moments.add_point(1.0, 20.0, 4.0);
-        assert_eq!(moments.gain_offset(), GainOffset { gain: 1.0, offset: 11.0 });
-        assert_eq!(Moments::default().gain_offset(), GainOffset::IDENTITY);
+        assert_eq!(moments.gain_offset(0.0), GainOffset { gain: 1.0, offset: 11.0 });
+        assert_eq!(Moments::default().gain_offset(0.0), GainOffset::IDENTITY);
+    }
+
+    #[test]
+    fn flatness_is_relative_to_the_grey_levels() {
+        for scale in [1e-12, 1e-6, 1.0, 65_535.0, 1e9] {
+            for (contrast, expected) in [(1e-4, false), (1e-7, true), (0.0, true)] {
+                let mut moments = Moments::default();
+                [-1.0, 1.0].iter().for_each(|sign| moments.add_point(1.0, sign * contrast * scale, 0.0));
+                assert_eq!(moments.is_flat_f(scale), expected, "{scale} {contrast}");
+                assert!(moments.is_flat_g(scale));
+            }
+        }
     }
 }

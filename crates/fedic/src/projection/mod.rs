@@ -7,3 +7,4 @@ pub(crate) mod cell_projection;
 pub(crate) mod pointwise;
 pub(crate) mod polynomial_basis;
 pub(crate) mod projected_points;
+pub(crate) mod visibility;

@@ -69,7 +69,7 @@ pub(crate) fn residual_map<const D: usize>(
                     let mut moments = Moments::default();
                     let inside = levels.iter().filter(|(_, [_, g])| !g.is_nan());
                     inside.for_each(|&(_, [f, g])| moments.add_point(1.0, f, g));
-                    moments.gain_offset()
+                    moments.gain_offset(0.0)
                 }
                 Brightness::None | Brightness::Global => images.gain_offset,
             };

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::error::self_calibration::SelfCalibrationError;
 use crate::interpolation::image_sampler::ImageSampler;
-use crate::observation::photometry::FLAT;
+use crate::observation::photometry::is_flat;
 use crate::results::covariance::pixels_averaged;
 use crate::self_calibration::image_stack::{ImageStack, LevelImages};
 use crate::self_calibration::levenberg_marquardt::{Criterion, Minimum, minimize};
@@ -76,7 +76,7 @@ pub(crate) fn solve(
     let criterion = Criterion { level: 0, tolerance: options.tolerance, max_iterations: options.max_iterations };
     let Minimum { equations, visibility, converged } =
         minimize(&problem, &stack, &mut state, &criterion, &mut history, monitor)?;
-    check_texture(&equations, images.len())?;
+    check_texture(&equations, problem.grey_origin, images.len())?;
     check_match(&equations, images.len())?;
     check_motion(&problem, &state)?;
     statistics::check_determined(&problem, &equations)?;
@@ -142,7 +142,7 @@ fn solve_on_reduced_images(
         let stack = ImageStack::new(problem, level_images, camera, density.min(1.0))?;
         let criterion = Criterion { level, tolerance: COARSE_TOLERANCE, max_iterations: COARSE_ITERATIONS };
         let Minimum { equations, .. } = minimize(problem, &stack, state, &criterion, history, monitor)?;
-        check_texture(&equations, images.len())?;
+        check_texture(&equations, problem.grey_origin, images.len())?;
         check_motion(problem, state)?;
         statistics::check_determined(problem, &equations)?;
     }
@@ -166,12 +166,12 @@ fn reduced_images(images: &[ImageView<'_>]) -> Result<Vec<Vec<Image>>, ImageErro
 }
 
 /// Checks that every image shows a part of the mesh that another one shows, and that there is a texture.
-fn check_texture(equations: &CalibrationEquations, num_images: usize) -> Result<(), Error> {
+fn check_texture(equations: &CalibrationEquations, grey_origin: f64, num_images: usize) -> Result<(), Error> {
     if let Some(image) = (0..num_images).find(|&image| equations.image_variance(image).is_none()) {
         return Err(SelfCalibrationError::Unseen { image }.into());
     }
     let std = equations.texture_variance().sqrt();
-    if std < FLAT { Err(Error::Flat { which: "reference", std }) } else { Ok(()) }
+    if is_flat(std, grey_origin) { Err(Error::Flat { which: "reference", std }) } else { Ok(()) }
 }
 
 /// Checks that every image shows the texture of the others.

@@ -14,7 +14,7 @@ use crate::observation::cell_context::{CellContext, linear_sensitivity};
 use crate::observation::deformed_pass::{DeformedCell, Exclusion, interior_of, read_deformed};
 use crate::observation::material_filter::{MaterialFilter, corrected_moments};
 use crate::observation::observe::{Observation, add_node_blocks};
-use crate::observation::photometry::{FLAT, GainOffset, Moments};
+use crate::observation::photometry::{GainOffset, Moments};
 use crate::observation::used_points::{UsedPoints, saturated_from};
 use crate::observation::workspace::Workspace;
 use crate::parallel::for_each_in_order;
@@ -213,7 +213,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
 
     fn found_gain_offset(&self, moments: &Moments) -> GainOffset {
         match self.brightness {
-            Brightness::Global => moments.gain_offset(),
+            Brightness::Global => moments.gain_offset(f64::from(self.observation.grey_origin)),
             Brightness::None | Brightness::Element => GainOffset::IDENTITY,
         }
     }
@@ -257,11 +257,12 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         let correction = filter.and_then(|filter| filter.cell(mesh, cell, nodes));
         correction.iter().for_each(|correction| moments = corrected_moments(moments, correction, part));
         next.iter().for_each(CellPrefetch::prefetch_lower_half);
+        let origin = f64::from(observation.grey_origin);
         let gain_offset = match self.brightness {
-            Brightness::Element => moments.gain_offset(),
+            Brightness::Element => moments.gain_offset(origin),
             Brightness::None | Brightness::Global => self.gain_offset,
         };
-        let GainOffset { gain, offset } = gain_offset.counted_from_zero(f64::from(observation.grey_origin));
+        let GainOffset { gain, offset } = gain_offset.counted_from_zero(origin);
         let samples = observation.samples.cell(cell);
         let basis = PolynomialBasis::of(context.cell_type);
         let mut sums = [[0.0; D]; MAX_NODES];
@@ -303,7 +304,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             }
             squares = (squares - part * correction.squares).max(0.0);
         }
-        let (scatter, correlation) = moments.regression(squares, gain_offset);
+        let (scatter, correlation) = moments.regression(squares, gain_offset, origin);
         CellResult {
             share: CellEquations { sums, matrix },
             squares,
@@ -373,12 +374,11 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
         report.weight = moments.weight;
         let found = self.found_gain_offset(&moments);
         if self.subset.is_none() {
-            let std = moments.std_g();
             if moments.weight == 0.0 {
                 return Err(SolveError::LeftView.into());
             }
-            if std.is_nan() || std <= FLAT {
-                return Err(Error::Flat { which: "deformed", std });
+            if moments.is_flat_g(f64::from(self.observation.grey_origin)) {
+                return Err(Error::Flat { which: "deformed", std: moments.std_g() });
             }
             self.used_points.update(unused, pass.with_hessian);
             if self.brightness == Brightness::Global {

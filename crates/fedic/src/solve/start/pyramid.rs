@@ -78,7 +78,7 @@ impl<const D: usize> Pyramid<D> {
             match Level::new(dofs, scaled, sampler, settings, monitor) {
                 Ok(level) => levels.push(level),
                 // A texture that vanishes in a reduced image ends the pyramid, not the correlation.
-                Err(Error::Flat { .. } | Error::NoUsablePoints | Error::Solve(_)) => break,
+                Err(Error::Flat { .. } | Error::NoUsablePoints { .. } | Error::Solve(_)) => break,
                 Err(error) => return Err(error),
             }
         }

@@ -1,0 +1,131 @@
+//! Checks that one camera can see a surface and its motion along `x` and `y`.
+
+use fedic_camera::Camera;
+use fedic_mesh::{Mesh, jacobian, map};
+use nalgebra::Vector3;
+
+use crate::Error;
+
+/// Cosine of the largest angle between two directions that count as the same: 84 degrees.
+const GRAZING: f64 = 0.1;
+
+/// Checks that `camera` sees every cell of `mesh` from the same side, and the motion of the mesh along `x` and `y`.
+///
+/// Cells that project to no finite image point are left to the check of the view.
+///
+/// # Errors
+///
+/// [`Error::EdgeOn`] if the surface is vertical, or the camera looks along it or along a direction of the measured motion;
+/// [`Error::HiddenCells`] if cells face away from the camera.
+pub(crate) fn check_visibility(mesh: &Mesh, camera: &dyn Camera) -> Result<(), Error> {
+    let mut sums = Sums::default();
+    let mut facing = Vec::with_capacity(mesh.num_cells());
+    for index in 0..mesh.num_cells() {
+        let cell = mesh.cell(index).cell_type;
+        let centre = cell.reference_centre();
+        let nodes = mesh.cell_points(index);
+        let tangents = jacobian(cell, &nodes, centre);
+        let [along_xi, along_eta] = [0, 1].map(|k| Vector3::from(tangents.map(|row| row[k])));
+        let normal = along_xi.cross(&along_eta);
+        let point = map(cell, &nodes, centre);
+        let (pixel, [du, dv]) = camera.project_with_jacobian(point);
+        // The null vector of the Jacobian points away from the camera: u runs to the right and v down.
+        let view = Vector3::from(du).cross(&Vector3::from(dv)).try_normalize(0.0);
+        let Some(view) = view.filter(|_| pixel[0].is_finite()) else {
+            facing.push(0.0);
+            continue;
+        };
+        let towards = normal.dot(&view);
+        facing.push(towards);
+        sums.area += normal.norm();
+        sums.level += normal.z.abs();
+        sums.seen += towards.abs();
+        sums.signed += towards;
+        sums.along_z += normal.norm() * view.z.abs();
+        sums.depth += towards * view.dot(&Vector3::from(point));
+    }
+    let grazes = |sum: f64| sum < GRAZING * sums.area;
+    if grazes(sums.level) || grazes(sums.seen) || grazes(sums.along_z) {
+        return Err(Error::EdgeOn { vertical: grazes(sums.level) });
+    }
+    // Most of the surface is seen from its front; of a closed one, the nearer half.
+    let front = if sums.signed.abs() > GRAZING * sums.seen { sums.signed } else { -sums.depth };
+    let cells: Vec<usize> = (0..mesh.num_cells()).filter(|&cell| facing[cell] * front < 0.0).collect();
+    if cells.is_empty() { Ok(()) } else { Err(Error::HiddenCells { cells, num_cells: mesh.num_cells() }) }
+}
+
+/// Sums over the cells, each weighted by its area.
+#[derive(Default)]
+struct Sums {
+    area: f64,
+    /// Parts of the normals along `z`.
+    level: f64,
+    /// Parts of the normals along the line of sight.
+    seen: f64,
+    /// The same, with their signs.
+    signed: f64,
+    /// Parts of the line of sight along `z`.
+    along_z: f64,
+    /// Distances along the line of sight, with the signs of `signed`.
+    depth: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use fedic_camera::{ImageFrame, Pinhole};
+    use fedic_mesh::CellType;
+
+    use super::*;
+
+    /// A strip of quads over these points of the `(x, z)` plane, extended along `y`.
+    fn strip(profile: &[[f64; 2]]) -> Mesh {
+        let points = [0.0, 50.0].into_iter().flat_map(|y| profile.iter().map(move |&[x, z]| [x, y, z]));
+        let n = profile.len() as i64;
+        let cells = (0..n - 1).flat_map(|i| [i, i + 1, n + i + 1, n + i]).collect();
+        Mesh::new(points.collect(), &[(CellType::Quad, cells)]).unwrap()
+    }
+
+    fn arc(half_angle: f64) -> Mesh {
+        let angles = (0..=20).map(|i| half_angle * (f64::from(i) / 10.0 - 1.0));
+        strip(&angles.map(|a| [100.0 * a.sin(), -100.0 * a.cos()]).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn surfaces_that_face_the_camera_pass() {
+        for mesh in [strip(&[[0.0, 0.0], [50.0, 0.0]]), strip(&[[0.0, 0.0], [50.0, 60.0]]), arc(1.4)] {
+            assert_eq!(check_visibility(&mesh, &ImageFrame), Ok(()));
+        }
+    }
+
+    #[test]
+    fn cells_on_the_far_side_are_refused() {
+        let Err(Error::HiddenCells { cells, num_cells: 20 }) = check_visibility(&arc(2.2), &ImageFrame) else {
+            panic!()
+        };
+        assert_eq!(cells, [0, 1, 2, 17, 18, 19]);
+        let Err(Error::HiddenCells { cells, .. }) = check_visibility(&arc(std::f64::consts::PI), &ImageFrame) else {
+            panic!()
+        };
+        assert_eq!(cells, [0, 1, 2, 3, 4, 15, 16, 17, 18, 19]);
+    }
+
+    #[test]
+    fn vertical_surfaces_are_refused() {
+        let vertical = strip(&[[0.0, 0.0], [0.0, 50.0]]);
+        assert_eq!(check_visibility(&vertical, &ImageFrame), Err(Error::EdgeOn { vertical: true }));
+    }
+
+    #[test]
+    fn cameras_that_look_along_the_surface_are_refused() {
+        // The camera looks along y.
+        let rotation = [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]];
+        let camera = Pinhole::new([1000.0; 2], [100.0; 2], rotation, [0.0, 0.0, 500.0]).unwrap();
+        let level = strip(&[[0.0, 0.0], [50.0, 0.0]]);
+        assert_eq!(check_visibility(&level, &camera), Err(Error::EdgeOn { vertical: false }));
+        let vertical = Mesh::new(
+            vec![[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [50.0, 0.0, 50.0], [0.0, 0.0, 50.0]],
+            &[(CellType::Quad, vec![0, 1, 2, 3])],
+        );
+        assert_eq!(check_visibility(&vertical.unwrap(), &camera), Err(Error::EdgeOn { vertical: true }));
+    }
+}
