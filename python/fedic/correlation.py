@@ -102,10 +102,16 @@ class Correlator:
         )
         self._repeats: Floats | None = None
         self._options = arguments
+        self._given_options = options
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
         release_pages(self._reference)
         _warn_of_extrapolation(camera, mesh, mesh.points, "of the mesh lie")
         warn_of_mesh_faults(mesh)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what the correlator was made of: it is prepared anew where it is loaded."""
+        made_of = (self._reference, self._mesh, self._camera, self._initial, self._mask)
+        return _prepared_again, (type(self), made_of, dict(self._given_options))
 
     @property
     def num_points(self) -> int:
@@ -415,6 +421,15 @@ def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str
             CalibrationWarning,
             stacklevel=levels_within_fedic(),
         )
+
+
+def _prepared_again(kind: type[Correlator], made_of: tuple[Any, ...], options: dict[str, Any]) -> Correlator:
+    reference, mesh, camera, initial, mask = made_of
+    with warnings.catch_warnings():
+        # They were given when the pickled correlator was made.
+        warnings.simplefilter("ignore", CalibrationWarning)
+        warnings.simplefilter("ignore", QualityWarning)
+        return kind(reference, mesh, camera, initial=initial, mask=mask, **options)
 
 
 def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:

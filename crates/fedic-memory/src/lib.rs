@@ -1,9 +1,11 @@
-//! Cache-line-aligned buffers, backed by huge pages when large, and prefetch hints.
+//! Cache-line-aligned buffers, backed by huge pages when large, the memory that is left, and prefetch hints.
 
 mod aligned_buffer;
+mod available;
 mod prefetch;
 
 pub use aligned_buffer::AlignedBuffer;
+pub use available::is_available;
 pub use bytemuck::Pod;
 pub use prefetch::prefetch;
 

@@ -116,7 +116,7 @@ pub enum MeshError {
         /// The size given.
         size: f64,
     },
-    /// A rectangle mesh would have more nodes than can be numbered.
+    /// A rectangle mesh would have more nodes than an image can measure, or than fit in memory.
     #[error("a mesh of {cells:.3e} cells is too large; choose a larger element size")]
     TooLarge {
         /// Number of cells asked for.

@@ -55,6 +55,11 @@ impl<'a> Locator<'a> {
         locator
     }
 
+    /// The mesh that is searched.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
     fn bucket(&self, x: f64, d: usize) -> usize {
         (((x - self.low[d]) * self.per_length[d]).floor().max(0.0) as usize).min(self.shape[d] - 1)
     }

@@ -1,6 +1,14 @@
 //! Regular meshes of rectangles.
 
+use fedic_memory::is_available;
+
 use crate::{CellType, Mesh, MeshError};
+
+/// Largest number of places of a grid for nodes. No image has pixels for more.
+const MAX_PLACES: f64 = (1 << 24) as f64;
+
+/// Memory of a node and of what refers to it, in bytes.
+const BYTES_PER_PLACE: usize = 128;
 
 /// Regular mesh of a rectangle with cells of about `size`.
 ///
@@ -11,7 +19,7 @@ use crate::{CellType, Mesh, MeshError};
 /// # Errors
 ///
 /// [`MeshError::InvalidRectangle`] if the bounds are empty or not finite or the size is not positive,
-/// [`MeshError::TooLarge`] if there are too many nodes.
+/// [`MeshError::TooLarge`] if there are too many nodes, or too many for the memory.
 ///
 /// # Examples
 ///
@@ -31,7 +39,8 @@ pub fn rectangle_mesh(bounds: [f64; 4], size: f64, cell_type: CellType) -> Resul
     let (columns, rows) = (count(x1 - x0), count(y1 - y0));
     // The nodes lie on a grid of this many intervals per square.
     let step = cell_type.data().grid_intervals;
-    if columns * rows * (step * step) as f64 > f64::from(u32::MAX / 4) {
+    let places = columns * rows * (step * step) as f64;
+    if places > MAX_PLACES || !is_available(places as usize * BYTES_PER_PLACE) {
         return Err(MeshError::TooLarge { cells: columns * rows });
     }
     let (columns, rows) = (columns as usize, rows as usize);

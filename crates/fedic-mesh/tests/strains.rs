@@ -6,8 +6,8 @@ mod common;
 
 use common::{Random, jittered_mesh};
 use fedic_mesh::{
-    CellType, Mesh, StrainAxes, StrainField, StrainMeasure, Subdivision, SurfaceStrain, interpolate_field, jacobian,
-    map, rectangle_mesh, shape_values,
+    CellType, Locator, Mesh, StrainAxes, StrainField, StrainMeasure, Subdivision, SurfaceStrain, interpolate_field,
+    jacobian, map, rectangle_mesh, shape_values,
 };
 use proptest::prelude::*;
 
@@ -206,7 +206,7 @@ proptest! {
             let at = subdivision.all_points();
             let places: Vec<[f64; 2]> = at.iter().map(|&at| map(cell, &nodes, at)).collect();
             let strains = StrainField::new(&mesh, &displacement, StrainMeasure::GreenLagrange).at_points(&places);
-            let projected = interpolate_field(&mesh, &nodal, 3, &places);
+            let projected = interpolate_field(&Locator::new(&mesh), &nodal, 3, &places);
             for ((&at, strain), projected) in at.iter().zip(strains).zip(projected.chunks_exact(3)) {
                 let weight = common::determinant(jacobian(cell, &nodes, at)) * subdivision.subcell_area();
                 for (&node, n) in mesh.cell(index).nodes.iter().zip(shape_values(cell, at)) {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fedic::{Iteration, Start};
+use fedic::{Iteration, Start, ThreadPool};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -13,7 +13,7 @@ use crate::errors::argument_error;
 use crate::image::{GreyArray, ReferenceImage};
 use crate::mesh::any_mesh;
 use crate::options::correlation_options;
-use crate::worker::run;
+use crate::worker::{run_briefly, run_on};
 
 const DEFORMED: &str = "the deformed image";
 
@@ -39,9 +39,10 @@ impl Correlator {
         let mesh = any_mesh(mesh)?;
         let camera = any_camera(camera)?;
         let options = correlation_options(options)?;
-        let reference = Arc::new(ReferenceImage::new(reference)?);
+        let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
+        let reference = Arc::new(ReferenceImage::new(reference, pool.as_ref())?);
         let mask: Option<Vec<bool>> = mask.map(|mask| mask.as_array().iter().copied().collect());
-        let inner = run(py, progress, move |monitor| {
+        let inner = run_on(py, pool.as_ref(), progress, move |monitor| {
             fedic::Correlator::new_with(reference, mesh, camera, options, mask.as_deref(), monitor)
         })?;
         Ok(Self { inner })
@@ -55,7 +56,7 @@ impl Correlator {
 
     /// Image points of the nodes in the reference image, (n, 2) float64, in pixels; NaN at nodes that no cell uses.
     fn node_pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        to_array(py, &self.inner.node_pixels())
+        to_array(py, &run_briefly(py, self.inner.threads(), || self.inner.node_pixels())?)
     }
 
     /// Measures one deformed image; see `fedic.Correlator.correlate`. At most `max_iterations` iterations are made, fewer than the
@@ -71,9 +72,9 @@ impl Correlator {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
-        let view = grey.view(DEFORMED)?;
+        let view = grey.view(py, self.inner.threads(), DEFORMED)?;
         let field = initial.map(|field| rows::<2>(field, "initial", argument_error)).transpose()?;
-        run(py, progress, move |monitor| {
+        run_on(py, self.inner.threads(), progress, move |monitor| {
             let start = match &field {
                 Some(field) if pyramid => Start::PyramidFrom(field),
                 Some(field) => Start::Field(field),
@@ -94,9 +95,10 @@ impl Correlator {
         displacement: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
-        let view = grey.view(DEFORMED)?;
+        let view = grey.view(py, self.inner.threads(), DEFORMED)?;
         let field = rows::<2>(displacement, "displacement", argument_error)?;
-        let map = run(py, None, |monitor| self.inner.residual_map_with(view, &field, monitor))?;
+        let map =
+            run_on(py, self.inner.threads(), None, |monitor| self.inner.residual_map_with(view, &field, monitor))?;
         let [width, height] = self.inner.size();
         PyArray::from_vec(py, map).reshape([height, width])
     }
@@ -110,8 +112,9 @@ impl Correlator {
         displacement: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let field = displacement.map(|field| rows::<2>(field, "displacement", argument_error)).transpose()?;
-        let deviations =
-            run(py, None, |monitor| self.inner.standard_deviations_with(noise, field.as_deref(), monitor))?;
+        let deviations = run_on(py, self.inner.threads(), None, |monitor| {
+            self.inner.standard_deviations_with(noise, field.as_deref(), monitor)
+        })?;
         to_array(py, &deviations)
     }
 
@@ -130,7 +133,7 @@ impl Correlator {
         &self,
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)> {
-        let (points, weights, cells) = py.detach(|| self.inner.quadrature_points());
+        let (points, weights, cells) = run_briefly(py, self.inner.threads(), || self.inner.quadrature_points())?;
         let cells = cells.into_iter().map(|cell| cell as i64).collect();
         Ok((to_array(py, &points)?, PyArray1::from_vec(py, weights), PyArray1::from_vec(py, cells)))
     }
@@ -267,9 +270,15 @@ fn named_rows<'py>(py: Python<'py>, rows: &[(&str, &Vec<f64>)]) -> PyResult<Boun
 /// float
 ///     From 0 to 1; 0 if fewer than nine pixels of the image are at its full scale.
 #[pyfunction]
-pub(crate) fn saturated_share(image: &Bound<'_, PyAny>, low: [usize; 2], high: [usize; 2]) -> PyResult<f64> {
+pub(crate) fn saturated_share(
+    py: Python<'_>,
+    image: &Bound<'_, PyAny>,
+    low: [usize; 2],
+    high: [usize; 2],
+) -> PyResult<f64> {
     let grey = GreyArray::borrow(image, "image")?;
-    Ok(grey.view("image")?.saturated_share(low, high))
+    let view = grey.view(py, None, "image")?;
+    run_briefly(py, None, || view.saturated_share(low, high))
 }
 
 /// Flags of cells and nodes, `{name: reason}` in the order of their bits, and the thresholds of the verdict.

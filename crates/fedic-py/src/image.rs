@@ -2,14 +2,14 @@
 
 use std::str::FromStr;
 
-use fedic::{Gradient, ImageSampler, ImageSource, ImageView, Interpolation, Pixels};
+use fedic::{Gradient, ImageSampler, ImageSource, ImageView, Interpolation, Pixels, ThreadPool};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::arrays::{describe, rows, to_array};
 use crate::errors::{IntoPyErr, argument_error, image_error};
-use crate::worker::run;
+use crate::worker::{run, run_briefly};
 
 /// Points per parallel task.
 const CHUNK: usize = 4096;
@@ -46,15 +46,26 @@ impl<'py> GreyArray<'py> {
         }
     }
 
-    /// The array as an image of the core.
-    pub(crate) fn view(&self, name: &str) -> PyResult<ImageView<'_>> {
+    /// The array as an image of the core; errors call it `name`. Floating-point numbers are checked on the threads of `pool`, or on the
+    /// shared ones.
+    pub(crate) fn view(&self, py: Python<'_>, pool: Option<&ThreadPool>, name: &str) -> PyResult<ImageView<'_>> {
+        let (width, height, pixels) = self.pixels(name)?;
+        let view = match pixels {
+            Pixels::F32(_) => run_briefly(py, pool, || ImageView::new(width, height, pixels))?,
+            _ => ImageView::new(width, height, pixels),
+        };
+        view.map_err(|error| image_error(format!("{name}: {error}")))
+    }
+
+    /// Columns, rows and grey levels.
+    fn pixels(&self, name: &str) -> PyResult<(usize, usize, Pixels<'_>)> {
         let (shape, pixels) = match self {
             Self::U8(array) => (array.shape(), array.as_slice().map(Pixels::U8)),
             Self::U16(array) => (array.shape(), array.as_slice().map(Pixels::U16)),
             Self::F32(array) => (array.shape(), array.as_slice().map(Pixels::F32)),
         };
         let pixels = pixels.map_err(|error| image_error(format!("{name}: {error}")))?;
-        ImageView::new(shape[1], shape[0], pixels).map_err(|error| image_error(format!("{name}: {error}")))
+        Ok((shape[1], shape[0], pixels))
     }
 }
 
@@ -65,8 +76,8 @@ pub(crate) struct ReferenceImage(Py<PyAny>);
 
 impl ReferenceImage {
     /// Keeps `object`, after checking that it is an image.
-    pub(crate) fn new(object: &Bound<'_, PyAny>) -> PyResult<Self> {
-        GreyArray::borrow(object, REFERENCE)?.view(REFERENCE)?;
+    pub(crate) fn new(object: &Bound<'_, PyAny>, pool: Option<&ThreadPool>) -> PyResult<Self> {
+        GreyArray::borrow(object, REFERENCE)?.view(object.py(), pool, REFERENCE)?;
         Ok(Self(object.clone().unbind()))
     }
 }
@@ -75,9 +86,10 @@ impl ImageSource for ReferenceImage {
     fn with_view(&self, use_view: &mut (dyn FnMut(ImageView<'_>) + Send)) -> Result<(), String> {
         let view = |py: Python<'_>| {
             let grey = GreyArray::borrow(self.0.bind(py), REFERENCE)?;
-            let view = grey.view(REFERENCE)?;
-            py.detach(|| use_view(view));
-            Ok(())
+            let (width, height, pixels) = grey.pixels(REFERENCE)?;
+            // The caller is on the threads meant for the check.
+            let view = py.detach(|| ImageView::new(width, height, pixels).map(&mut *use_view));
+            view.map_err(|error| image_error(format!("{REFERENCE}: {error}")))
         };
         Python::attach(view).map_err(|error: PyErr| error.to_string())
     }
@@ -122,7 +134,7 @@ pub(crate) fn interpolate_image<'py>(
     gradient: &str,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<f32>>)> {
     let grey = GreyArray::borrow(image, "image")?;
-    let view = grey.view("image")?;
+    let view = grey.view(py, None, "image")?;
     let pixels = rows::<2>(pixels, "pixels", argument_error)?;
     let interpolation = Interpolation::from_str(interpolation).map_err(IntoPyErr::into_py_err)?;
     let gradient = Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?;

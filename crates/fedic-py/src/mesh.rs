@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use fedic::{CellType, MeshError, cell_areas, interpolate_field, rotation_from_vector};
+use fedic::{CellType, Error, Locator, MeshError, cell_areas, interpolate_field, rotation_from_vector};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyTuple};
@@ -12,6 +12,9 @@ use crate::errors::{IntoPyErr, argument_error, mesh_error, option_error};
 use crate::mesh_set;
 use crate::strains::{self, StrainQuery};
 use crate::worker::run;
+
+/// Points that are interpolated between two looks at signals.
+const CHUNK: usize = 1 << 16;
 
 /// A surface mesh, plane or in space.
 ///
@@ -404,9 +407,17 @@ impl Mesh {
         let (height, width) = (field.as_array().nrows(), field.as_array().ncols());
         self.check_nodal("nodal", height)?;
         let field: Vec<f64> = field.as_array().iter().copied().collect();
-        let values = run(py, None, |_| {
+        let values = run(py, None, |monitor| {
             let plane: Vec<[f64; 2]> = points.iter().map(|p| [p[0], p[1]]).collect();
-            Ok(interpolate_field(&self.inner, &field, width, &plane))
+            let locator = Locator::new(&self.inner);
+            let mut values = Vec::with_capacity(plane.len() * width);
+            for points in plane.chunks(CHUNK) {
+                if monitor.cancelled() {
+                    return Err(Error::Cancelled);
+                }
+                values.extend(interpolate_field(&locator, &field, width, points));
+            }
+            Ok(values)
         })?;
         PyArray::from_vec(py, values).reshape([points.len(), width])
     }
@@ -486,9 +497,9 @@ fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, 
 ///     If the bounds are empty or not finite, the size is not positive, or the cell type is unknown.
 #[pyfunction]
 #[pyo3(signature = (bounds, size, cell="quad"))]
-pub(crate) fn rectangle_mesh(bounds: [f64; 4], size: f64, cell: &str) -> PyResult<Mesh> {
+pub(crate) fn rectangle_mesh(py: Python<'_>, bounds: [f64; 4], size: f64, cell: &str) -> PyResult<Mesh> {
     let cell_type = CellType::from_str(cell).map_err(|error| option_error(error.to_string(), "cell"))?;
-    let inner =
-        fedic::rectangle_mesh(bounds, size, cell_type).map_err(|error| option_error(error.to_string(), "bounds"))?;
+    let made = run(py, None, |_| Ok(fedic::rectangle_mesh(bounds, size, cell_type)))?;
+    let inner = made.map_err(|error| option_error(error.to_string(), "bounds"))?;
     Ok(Mesh { inner, dimension: 2 })
 }

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use fedic::{Iteration, Parameter, SpecimenImages};
+use fedic::{Iteration, Parameter, SpecimenImages, ThreadPool};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +13,7 @@ use crate::errors::{argument_error, option_error};
 use crate::image::GreyArray;
 use crate::mesh::any_mesh;
 use crate::options::specimen_options;
-use crate::worker::run;
+use crate::worker::run_on;
 
 /// Estimates camera parameters from rigid motions of a specimen; see `fedic.calibrate_on_specimen`.
 ///
@@ -47,10 +47,11 @@ pub(crate) fn calibrate_on_specimen(
     let name = |index: usize| if index == 0 { "the reference image".to_owned() } else { format!("image {index}") };
     let borrowed = images.iter().enumerate().map(|(index, image)| GreyArray::borrow(image, &name(index)));
     let borrowed = borrowed.collect::<PyResult<Vec<_>>>()?;
-    let views = borrowed.iter().enumerate().map(|(index, image)| image.view(&name(index)));
+    let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
+    let views = borrowed.iter().enumerate().map(|(index, image)| image.view(py, pool.as_ref(), &name(index)));
     let views = views.collect::<PyResult<Vec<_>>>()?;
     let count = parameters.len();
-    let found = run(py, progress, move |monitor| {
+    let found = run_on(py, pool.as_ref(), progress, move |monitor| {
         let (camera, parameters, translations) = (&camera, &parameters, &translations);
         let input = SpecimenImages { images: &views, mesh, camera, parameters, translations };
         fedic::calibrate_on_specimen_with(&input, &options, monitor)

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use fedic_synthetic::{DisplacementField, Plane, Render, SyntheticError, Texture};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{self, rows, to_array};
 use crate::camera::any_camera;
@@ -74,6 +75,13 @@ impl Speckle {
         let points = arrays::plane_points(points, "points", argument_error)?;
         let values = run(py, None, |_| Ok(self.0.values(&points)))?;
         Ok(PyArray1::from_vec(py, values))
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<((f64,), Bound<'py, PyDict>)> {
+        let named = PyDict::new(py);
+        named.set_item("coverage", self.0.coverage())?;
+        named.set_item("seed", self.0.seed())?;
+        Ok(((self.0.size(),), named))
     }
 
     fn __repr__(&self) -> String {
@@ -172,26 +180,23 @@ pub(crate) fn render_plane<'py>(
     let [height, width] = shape;
     let displacement = displacement.map(PlaneDisplacement);
     let speckle = texture.cast::<Speckle>().ok().map(|speckle| speckle.get().0);
-    let (other, failed) = (texture.clone().unbind(), Mutex::new(None));
-    let interrupted = Mutex::new(None);
-    // Functions of the caller run on its own thread; only the loops over points use others.
-    let report = |fraction: f64| {
-        let outcome = Python::attach(|py| {
-            py.check_signals()?;
-            progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (fraction,)).map(|_| ()))
-        });
-        outcome.map_err(|error| interrupted.lock().map(|mut slot| *slot = Some(error))).is_ok()
-    };
-    let rendered = py.detach(|| {
+    let (other, failed, interrupted) = (texture.clone().unbind(), Mutex::new(None), Mutex::new(None));
+    let plane = Plane::horizontal(z).map_err(IntoPyErr::into_py_err)?;
+    let rendered = run(py, None, |monitor| {
+        let report = |fraction: f64| {
+            let call = |progress: &Py<PyAny>| Python::attach(|py| progress.call1(py, (fraction,)).map(|_| ()));
+            let outcome = progress.as_ref().map_or(Ok(()), call);
+            let goes_on = outcome.map_err(|error| interrupted.lock().map(|mut slot| *slot = Some(error))).is_ok();
+            goes_on && !monitor.cancelled()
+        };
         let render = Render::new(&*camera, [width, height]).with_samples(supersampling).with_progress(&report);
-        let plane = Plane::horizontal(z)?;
         let other = PythonTexture { texture: &other, error: &failed };
         let texture: &dyn Texture = speckle.as_ref().map_or(&other, |speckle| speckle);
-        match &displacement {
+        Ok(match &displacement {
             None => render.plane(&plane, texture),
             Some(displacement) => render.displaced_plane(&plane, texture, displacement),
-        }
-    });
+        })
+    })?;
     if let Ok(Some(error)) = failed.into_inner() {
         return Err(error);
     }

@@ -2,9 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::Builder;
 use std::time::Duration;
 
-use fedic::{Error, Monitor, Progress, Stage};
+use fedic::{Error, Monitor, Progress, Stage, ThreadPool};
 use pyo3::prelude::*;
 use pyo3::types::PyAny;
 
@@ -12,6 +13,9 @@ use crate::errors::{IntoPyErr, internal_error};
 
 /// How often signals are looked at.
 const TICK: Duration = Duration::from_millis(50);
+
+/// Threads of all work that does not have its own.
+static SHARED: ThreadPool = ThreadPool::new(None);
 
 struct Channel {
     cancelled: AtomicBool,
@@ -29,12 +33,31 @@ impl Monitor for Channel {
     }
 }
 
-/// Runs `work` on a thread of its own without the interpreter lock.
+/// Runs `work` away from the interpreter lock, its parallel loops on the shared threads; see [`run_on`].
+pub(crate) fn run<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&dyn Monitor) -> Result<T, Error> + Send,
+) -> PyResult<T> {
+    run_on(py, None, progress, work)
+}
+
+/// Runs short work on the threads of `pool`, or on the shared ones, without the interpreter lock.
+pub(crate) fn run_briefly<T: Send>(
+    py: Python<'_>,
+    pool: Option<&ThreadPool>,
+    work: impl FnOnce() -> T + Send,
+) -> PyResult<T> {
+    py.detach(|| pool.unwrap_or(&SHARED).install(work)).map_err(IntoPyErr::into_py_err)
+}
+
+/// Runs `work` on the threads of `pool`, or on the shared ones, without the interpreter lock.
 ///
 /// Meanwhile this thread looks for signals and hands every step on to the Python function `progress(stage, level,
 /// iteration, correction, residual_rms)`. An exception in either stops the work and is raised.
-pub(crate) fn run<T: Send>(
+pub(crate) fn run_on<T: Send>(
     py: Python<'_>,
+    pool: Option<&ThreadPool>,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&dyn Monitor) -> Result<T, Error> + Send,
 ) -> PyResult<T> {
@@ -45,11 +68,14 @@ pub(crate) fn run<T: Send>(
         std::thread::scope(|scope| {
             let (done, ended) = channel::<()>();
             let monitor = &monitor;
-            let worker = scope.spawn(move || {
+            let worker = Builder::new().spawn_scoped(scope, move || {
                 // Dropped when the work ends, however it ends.
                 let _done = done;
-                work(monitor)
+                pool.unwrap_or(&SHARED).install(|| work(monitor))?
             });
+            let worker = worker.map_err(|error| {
+                internal_error(format!("no thread can be started ({error}); close other programs, or raise the limit"))
+            })?;
             let attended = attend(&receiver, &ended, callback.as_ref());
             if attended.is_err() {
                 monitor.cancelled.store(true, Ordering::Relaxed);

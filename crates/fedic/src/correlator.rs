@@ -6,18 +6,17 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use fedic_camera::Camera;
 use fedic_image::{Image, ImageError, ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
-use rayon::ThreadPool;
 
 use crate::equations::dofs::Dofs;
 use crate::equations::terms::curvature::Curvature;
 use crate::equations::terms::laplacian::Laplacian;
+use crate::error::check_memory;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::image_source::view_of;
 use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::ObservationSettings;
 use crate::observation::pixel_mask::PixelMask;
 use crate::observation::used_points::SATURATED_SQUARE;
-use crate::parallel::thread_pool;
 use crate::projection::projected_points::{pixel_displacement, project_nodes};
 use crate::projection::visibility::check_visibility;
 use crate::results::covariance;
@@ -30,13 +29,17 @@ use crate::solve::gauss_newton::{GaussNewton, residual_rms};
 use crate::solve::level::{Level, LevelSettings, Smoothing};
 use crate::solve::start::pyramid::Pyramid;
 use crate::solve::start::smooth_field::smooth_start;
-use crate::{Error, ImageSource, Monitor, Options, PLANE, Progress, Solution, Stage};
+use crate::threads::in_pool;
+use crate::{Error, ImageSource, Monitor, Options, PLANE, Progress, Solution, Stage, ThreadPool};
 
 /// Number of unknowns from which on the factor is kept in single precision. It would take 5 MB, which each iteration reads twice.
 const COMPACT_DOFS: usize = 10_000;
 
 /// Largest image, in pixels, whose buffer is kept for the next frame. Larger buffers are returned to the system between frames.
 const MAX_KEPT_PIXELS: usize = 1 << 24;
+
+/// Memory of the mesh, the matrix and the sums of each node at the least, in bytes.
+const BYTES_PER_NODE: usize = 512;
 
 /// Start of the iterations.
 ///
@@ -130,7 +133,7 @@ impl Correlator {
     ) -> Result<Self, Error> {
         options.check()?;
         check_visibility(mesh, camera.as_ref())?;
-        let pool = options.num_threads.map(thread_pool).transpose()?;
+        let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
         let prepare = |view: ImageView<'_>| {
             let size = [view.width(), view.height()];
             if let Some(mask) = mask
@@ -138,6 +141,9 @@ impl Correlator {
             {
                 return Err(Error::MaskSize { expected: size, found: mask.len() });
             }
+            let of_image = size[0].saturating_mul(size[1]).saturating_mul(size_of::<f32>());
+            let bytes = of_image.saturating_add(mesh.num_nodes().saturating_mul(BYTES_PER_NODE));
+            check_memory("the preparation of the reference image", bytes, "use a coarser mesh or a part of the image")?;
             let reach = (2.0 * options.smoothing).ceil() as usize;
             let mask = mask.map(|mask| Arc::new(PixelMask::new(size[0], mask.to_vec()).dilated(reach)));
             // The order of the unknowns is computed serially: the image is prepared at the same time.
@@ -165,10 +171,7 @@ impl Correlator {
             let level = Level::new(&dofs, Arc::clone(&camera), sampler, settings, monitor)?;
             Ok::<_, Error>((dofs, level, size, mask))
         };
-        let (dofs, level, size, mask) = view_of(reference.as_ref(), |view| match &pool {
-            Some(pool) => pool.install(|| prepare(view)),
-            None => prepare(view),
-        })??;
+        let (dofs, level, size, mask) = in_pool(pool.as_ref(), || view_of(reference.as_ref(), prepare))???;
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
         let (laplacian, pyramid, last) = (OnceLock::new(), OnceLock::new(), Mutex::default());
@@ -183,6 +186,11 @@ impl Correlator {
     /// Columns and rows of the images.
     pub fn size(&self) -> [usize; 2] {
         self.size
+    }
+
+    /// Threads of this correlator, if the options give their number; otherwise it runs on those of the caller.
+    pub fn threads(&self) -> Option<&ThreadPool> {
+        self.pool.as_ref()
     }
 
     /// Number of quadrature points.
@@ -256,7 +264,7 @@ impl Correlator {
         monitor: &dyn Monitor,
     ) -> Result<Solution, Error> {
         self.check_size(deformed)?;
-        self.in_pool(|| self.solve(deformed, start, max_iterations, monitor))
+        in_pool(self.threads(), || self.solve(deformed, start, max_iterations, monitor))?
     }
 
     /// Residual `f - g~`, in grey levels, at the pixels of the reference image, row after row; NaN at pixels whose centre lies
@@ -299,7 +307,7 @@ impl Correlator {
             }
             Ok(residuals)
         };
-        view_of(self.reference.as_ref(), |reference| self.in_pool(|| map(reference)))?
+        in_pool(self.threads(), || view_of(self.reference.as_ref(), map))??
     }
 
     /// Standard deviation of the displacement of each node due to the noise of the images, in the mesh's unit, near a displacement
@@ -362,7 +370,7 @@ impl Correlator {
             }
             Ok(self.dofs.extend(&deviations))
         };
-        view_of(self.reference.as_ref(), |reference| self.in_pool(|| predict(reference)))?
+        in_pool(self.threads(), || view_of(self.reference.as_ref(), predict))??
     }
 
     fn solve(
@@ -478,12 +486,5 @@ impl Correlator {
     fn check_size(&self, deformed: ImageView<'_>) -> Result<(), Error> {
         let found = [deformed.width(), deformed.height()];
         if found == self.size { Ok(()) } else { Err(Error::SizeMismatch { reference: self.size, deformed: found }) }
-    }
-
-    fn in_pool<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
     }
 }

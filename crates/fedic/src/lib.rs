@@ -51,6 +51,7 @@ mod quadrature;
 mod results;
 mod self_calibration;
 mod solve;
+mod threads;
 
 pub use components::{PLANE, SPACE};
 pub use correlator::{Correlator, Start};
@@ -88,3 +89,4 @@ pub use self_calibration::motion::{MotionKind, RIGID};
 pub use self_calibration::options::SelfCalibrationOptions;
 pub use self_calibration::result::SelfCalibration;
 pub use self_calibration::specimen_images::SpecimenImages;
+pub use threads::ThreadPool;

@@ -1,9 +1,8 @@
-//! Parallel loop over cells, and thread pools.
+//! Parallel loop over cells.
 
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::{Error, Monitor, OptionError};
+use crate::{Error, Monitor};
 
 /// Number of cells whose results are kept at once.
 const BLOCK: usize = 2048;
@@ -54,15 +53,4 @@ pub(crate) fn for_each_in_order<S: Default, I: Send, T: Send>(
         std::mem::swap(&mut results, &mut done);
         first += count;
     }
-}
-
-/// A thread pool of a given size.
-///
-/// # Errors
-///
-/// [`OptionError`] if the threads cannot be started.
-pub(crate) fn thread_pool(num_threads: usize) -> Result<ThreadPool, OptionError> {
-    let expected = "a number of threads that this machine can start";
-    let pool = ThreadPoolBuilder::new().num_threads(num_threads).build();
-    pool.map_err(|_| OptionError::invalid("num_threads", expected, &num_threads))
 }

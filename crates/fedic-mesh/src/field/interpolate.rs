@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{Locator, Mesh, shape_values};
+use crate::{Locator, shape_values};
 
 /// Values at points of the `(x, y)` plane of a nodal field with `width` components; NaN outside the mesh.
 ///
@@ -11,10 +11,10 @@ use crate::{Locator, Mesh, shape_values};
 ///
 /// # Panics
 ///
-/// If `nodal` does not hold `width` numbers per node.
-pub fn interpolate_field(mesh: &Mesh, nodal: &[f64], width: usize, points: &[[f64; 2]]) -> Vec<f64> {
+/// If `nodal` does not hold `width` numbers per node of the locator's mesh.
+pub fn interpolate_field(locator: &Locator<'_>, nodal: &[f64], width: usize, points: &[[f64; 2]]) -> Vec<f64> {
+    let mesh = locator.mesh();
     assert_eq!(nodal.len(), mesh.num_nodes() * width, "a nodal field has {width} numbers per node");
-    let locator = Locator::new(mesh);
     let mut values = vec![f64::NAN; points.len() * width];
     values.par_chunks_mut(width.max(1)).zip(points).for_each(|(value, &point)| {
         if let Some((cell, reference)) = locator.find(point) {

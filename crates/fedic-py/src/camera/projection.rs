@@ -1,6 +1,6 @@
 //! Projection and unprojection of NumPy arrays, for any camera.
 
-use fedic::Camera;
+use fedic::{Camera, Error, Monitor};
 use numpy::{PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -12,6 +12,18 @@ use crate::worker::run;
 /// Smallest number of points per parallel task.
 const GRAIN: usize = 1024;
 
+/// The value of each item, unless the caller asks to stop.
+fn map_each<I: Sync, T: Send>(
+    monitor: &dyn Monitor,
+    items: &[I],
+    value: impl Fn(&I) -> T + Sync,
+    none: impl Fn() -> T + Sync,
+) -> Result<Vec<T>, Error> {
+    let value = |item: &I| if monitor.cancelled() { none() } else { value(item) };
+    let values = items.par_iter().with_min_len(GRAIN).map(value).collect();
+    if monitor.cancelled() { Err(Error::Cancelled) } else { Ok(values) }
+}
+
 pub(super) fn project<'py>(
     py: Python<'py>,
     camera: &dyn Camera,
@@ -19,7 +31,7 @@ pub(super) fn project<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (points, _) = arrays::points(points, "points", argument_error)?;
     let project = |&point: &[f64; 3]| camera.project(point);
-    let pixels = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(project).collect::<Vec<_>>()))?;
+    let pixels = run(py, None, |monitor| map_each(monitor, &points, project, <[f64; 2]>::default))?;
     warn_of_extrapolation(py, camera, &points)?;
     to_array(py, &pixels)
 }
@@ -31,7 +43,7 @@ pub(super) fn jacobian<'py>(
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (points, _) = arrays::points(points, "points", argument_error)?;
     let jacobian = |&point: &[f64; 3]| camera.project_with_jacobian(point).1;
-    let jacobians = run(py, None, |_| Ok(points.par_iter().with_min_len(GRAIN).map(jacobian).collect::<Vec<_>>()))?;
+    let jacobians = run(py, None, |monitor| map_each(monitor, &points, jacobian, <[[f64; 3]; 2]>::default))?;
     warn_of_extrapolation(py, camera, &points)?;
     PyArray::from_slice(py, jacobians.as_flattened().as_flattened()).reshape([points.len(), 2, 3])
 }
@@ -44,7 +56,7 @@ pub(super) fn unproject<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let pixels = arrays::rows::<2>(pixels, "pixels", argument_error)?;
     let unproject = |&pixel: &[f64; 2]| fedic::unproject(camera, pixel, z);
-    let points = run(py, None, |_| Ok(pixels.par_iter().with_min_len(GRAIN).map(unproject).collect::<Vec<_>>()))?;
+    let points = run(py, None, |monitor| map_each(monitor, &pixels, unproject, || None))?;
     let failed = points.iter().filter(|point| point.is_none()).count();
     if let Some(first) = points.iter().position(Option::is_none) {
         let [u, v] = pixels[first];

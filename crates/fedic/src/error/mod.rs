@@ -4,6 +4,7 @@
 
 use fedic_camera::CameraError;
 use fedic_image::ImageError;
+use fedic_memory::is_available;
 use fedic_mesh::{MeshError, list_indices};
 use thiserror::Error;
 
@@ -123,7 +124,26 @@ pub enum Error {
         /// The reason given by its source.
         reason: String,
     },
+    /// There is not enough memory.
+    #[error("{what} needs {:.1} GB of memory, which are not available; {remedy}", *bytes as f64 / 1e9)]
+    OutOfMemory {
+        /// What needs the memory.
+        what: &'static str,
+        /// Number of bytes.
+        bytes: usize,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// The caller asked to stop.
     #[error("the correlation was cancelled")]
     Cancelled,
+}
+
+/// Checks, before an allocation that would end the process if it failed, that there is enough memory.
+///
+/// # Errors
+///
+/// [`Error::OutOfMemory`].
+pub(crate) fn check_memory(what: &'static str, bytes: usize, remedy: &'static str) -> Result<(), Error> {
+    if is_available(bytes) { Ok(()) } else { Err(Error::OutOfMemory { what, bytes, remedy }) }
 }

@@ -1,6 +1,6 @@
 //! Grey levels, gradients and weights of the reference image at the quadrature points.
 
-use fedic_memory::{AlignedBuffer, prefetch};
+use fedic_memory::{AlignedBuffer, is_available, prefetch};
 
 use crate::kernels::gradient::largest_magnitude;
 use crate::observation::quantized_gradient::{MAX_LEVEL, QuantizedGradient, QuantizedGradientMut};
@@ -70,7 +70,9 @@ impl ReferenceSamples {
         }
         // Only a zeroed allocation leaves its pages to the threads that write them. Whether it fits is tried first.
         let point = size_of::<f32>() + 2 * size_of::<i16>() + size_of::<u8>();
-        Vec::<u8>::new().try_reserve_exact(point * first + size_of::<f32>() * first_weight).ok()?;
+        if !is_available(point * first + size_of::<f32>() * first_weight) {
+            return None;
+        }
         let [value, weights] = [first, first_weight].map(AlignedBuffer::zeros);
         let high = [AlignedBuffer::zeros(first), AlignedBuffer::zeros(first)];
         Some(Self { value, high, low: AlignedBuffer::zeros(first), steps: vec![0.0; cells.len()], weights, cells })

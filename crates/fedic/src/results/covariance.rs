@@ -20,6 +20,7 @@ use rayon::prelude::*;
 
 use crate::equations::deformation::{NodalDeformation, Tensor, area_ratio, cell_gradients};
 use crate::equations::dofs::Dofs;
+use crate::error::check_memory;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::cell_matrix::CellMatrix;
 use crate::observation::cell_context::{CellContext, exact_sensitivity};
@@ -68,6 +69,12 @@ pub(crate) fn standard_deviations<const D: usize>(
     };
     let matrix = noise_pass.assemble(monitor)?;
     let (num_nodes, num_dofs) = (dofs.pattern.num_nodes(), dofs.pattern.num_dofs());
+    let columns = rayon::current_num_threads().saturating_mul(NODES * D * num_dofs);
+    check_memory(
+        "the standard deviation of every node",
+        columns.saturating_mul(size_of::<f64>()),
+        "use fewer threads",
+    )?;
     let blocks = (0..num_nodes).into_par_iter().step_by(NODES).map_init(
         || vec![0.0; NODES * D * num_dofs],
         |columns, first| {

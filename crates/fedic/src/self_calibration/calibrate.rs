@@ -2,11 +2,11 @@
 
 use crate::error::Error;
 use crate::monitor::Monitor;
-use crate::parallel::thread_pool;
 use crate::self_calibration::options::SelfCalibrationOptions;
 use crate::self_calibration::result::SelfCalibration;
 use crate::self_calibration::solve::solve;
 use crate::self_calibration::specimen_images::SpecimenImages;
+use crate::threads::{ThreadPool, in_pool};
 
 /// Estimates camera parameters from images of the specimen at rest and after rigid motions.
 ///
@@ -91,9 +91,6 @@ pub fn calibrate_on_specimen_with(
     input.check()?;
     let (mesh, _) = input.mesh.collapsed_as_triangles().compact();
     let input = SpecimenImages { mesh: &mesh, ..*input };
-    let solve = || solve(&input, options, monitor);
-    match options.num_threads.map(thread_pool).transpose()? {
-        Some(pool) => pool.install(solve),
-        None => solve(),
-    }
+    let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
+    in_pool(pool.as_ref(), || solve(&input, options, monitor))?
 }

@@ -1,0 +1,1 @@
+"""Mutated files of every kind that fedic reads: each must give a value or a `fedic.FedicError`, soon."""
