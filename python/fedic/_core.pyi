@@ -41,7 +41,6 @@ __all__ = [
     "interpolate_image",
     "rectangle_mesh",
     "render_plane",
-    "saturated_share",
     "spline_basis",
 ]
 
@@ -291,7 +290,6 @@ QUALITY_THRESHOLDS: dict[str, float]
 CORRELATION_OPTIONS: list[OptionInfo]
 SPECIMEN_OPTIONS: list[OptionInfo]
 
-def saturated_share(image: _Image, low: tuple[int, int], high: tuple[int, int]) -> float: ...
 def check_correlation_options(**options: object) -> None: ...
 
 @final
@@ -309,6 +307,7 @@ class Correlator:
     @property
     def num_points(self) -> int: ...
     def node_pixels(self) -> NDArray[np.float64]: ...
+    def saturated_share(self, image: _Image, low: tuple[int, int], high: tuple[int, int]) -> float: ...
     def quadrature_points(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]: ...
     def correlate(
         self,

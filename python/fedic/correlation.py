@@ -230,7 +230,10 @@ class Correlator:
             standard_deviation=solution.node_evidence["deviation"],
             conditioning=solution.node_evidence["conditioning"],
             repeats=self._repeats,
-            saturated_share=(_saturated_share(self._reference, nodes), _saturated_share(deformed, moved)),
+            saturated_share=(
+                _saturated_share(self._core, self._reference, nodes),
+                _saturated_share(self._core, deformed, moved),
+            ),
             converged=solution.converged,
             cell_flags=solution.cell_flags,
             node_flags=node_flags,
@@ -378,14 +381,14 @@ def _estimated(start: Start, images: tuple[Image, Image], mesh: Mesh, camera: Ca
     return nodal_displacement(found[0].displacement, mesh, camera)
 
 
-def _saturated_share(image: Image, pixels: Floats) -> float:
+def _saturated_share(correlator: "_core.Correlator", image: Image, pixels: Floats) -> float:
     """Return the share of saturated pixels in the box around some image points."""
     known = pixels[np.isfinite(pixels).all(axis=1)]
     if not len(known):
         return 0.0
     limit = max(image.shape)
     low, high = (np.clip(bound, 0, limit) for bound in (np.floor(known.min(axis=0)), np.ceil(known.max(axis=0)) + 1))
-    return _core.saturated_share(image, (int(low[0]), int(low[1])), (int(high[0]), int(high[1])))
+    return correlator.saturated_share(image, (int(low[0]), int(low[1])), (int(high[0]), int(high[1])))
 
 
 def _warn_of_quality(result: Result) -> None:

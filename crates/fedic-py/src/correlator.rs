@@ -118,6 +118,30 @@ impl Correlator {
         to_array(py, &deviations)
     }
 
+    /// Share of the pixels at the full scale of an image in a rectangle of it.
+    ///
+    /// Parameters
+    /// ----------
+    /// image : (h, w) array of uint8, uint16 or float32
+    /// low, high : (int, int)
+    ///     First pixel ``(u, v)`` of the rectangle, and the one past the last; they are limited to the image.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     From 0 to 1; 0 if fewer than nine pixels of the image are at its full scale.
+    fn saturated_share(
+        &self,
+        py: Python<'_>,
+        image: &Bound<'_, PyAny>,
+        low: [usize; 2],
+        high: [usize; 2],
+    ) -> PyResult<f64> {
+        let grey = GreyArray::borrow(image, "image")?;
+        let view = grey.view(py, self.inner.threads(), "image")?;
+        run_briefly(py, self.inner.threads(), || view.saturated_share(low, high))
+    }
+
     /// Quadrature points.
     ///
     /// Returns
@@ -255,30 +279,6 @@ fn named_rows<'py>(py: Python<'py>, rows: &[(&str, &Vec<f64>)]) -> PyResult<Boun
     let named = PyDict::new(py);
     rows.iter().try_for_each(|(name, row)| named.set_item(name, PyArray1::from_slice(py, row)))?;
     Ok(named)
-}
-
-/// Share of the pixels at the full scale of an image in a rectangle of it.
-///
-/// Parameters
-/// ----------
-/// image : (h, w) array of uint8, uint16 or float32
-/// low, high : (int, int)
-///     First pixel ``(u, v)`` of the rectangle, and the one past the last; they are limited to the image.
-///
-/// Returns
-/// -------
-/// float
-///     From 0 to 1; 0 if fewer than nine pixels of the image are at its full scale.
-#[pyfunction]
-pub(crate) fn saturated_share(
-    py: Python<'_>,
-    image: &Bound<'_, PyAny>,
-    low: [usize; 2],
-    high: [usize; 2],
-) -> PyResult<f64> {
-    let grey = GreyArray::borrow(image, "image")?;
-    let view = grey.view(py, None, "image")?;
-    run_briefly(py, None, || view.saturated_share(low, high))
 }
 
 /// Flags of cells and nodes, `{name: reason}` in the order of their bits, and the thresholds of the verdict.

@@ -28,8 +28,6 @@ mod _core {
     #[pymodule_export]
     use crate::cell_type::CellType;
     #[pymodule_export]
-    use crate::correlator::saturated_share;
-    #[pymodule_export]
     use crate::correlator::{Correlator, Solution};
     #[pymodule_export]
     use crate::image::interpolate_image;
