@@ -57,6 +57,8 @@ def decode_jpeg(data: bytes) -> Image:
         )
     import imagecodecs
 
+    if frame.marker == _JPEG_LS:
+        return luminance(imagecodecs.jpegls_decode(data))
     return luminance(imagecodecs.jpeg_decode(data, bitspersample=frame.bits))
 
 

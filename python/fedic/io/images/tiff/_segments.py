@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic.errors import ImageError
 from fedic.io.images._faults import damaged
 from fedic.io.images._jpeg import check_jpeg_end
 from fedic.io.images._jpeg2000 import check_jpeg2000
@@ -78,6 +77,8 @@ def read_samples(page: "TiffPage", *, mapped: bool) -> NDArray[Any]:
 def _decode(page: "TiffPage") -> NDArray[Any]:
     assert page.dtype is not None
     samples = np.empty(page.shaped, page.dtype)
+    # Bits of fax compressions come as bytes.
+    types = (np.bool_, np.uint8) if page.dtype.kind == "b" else (page.dtype.type,)
     file = page.parent.filehandle
     needed = math.prod(page.chunked)
     tables = {"jpegtables": page.jpegtables} if page.compression in _JPEG else {}
@@ -86,7 +87,7 @@ def _decode(page: "TiffPage") -> NDArray[Any]:
         data = file.read(count)
         _check_segment(page, index, data)
         segment, (plane, depth, row, column, _), _ = page.decode(data, index, **tables)
-        if segment is None or segment.dtype.type is not page.dtype.type:
+        if segment is None or segment.dtype.type not in types:
             found = "nothing" if segment is None else f"{segment.dtype} values"
             raise damaged(f"it states {page.dtype} values, and holds {found}")
         room = samples[plane, depth:, row:, column:]
@@ -118,8 +119,6 @@ def _expected_bytes(page: "TiffPage", index: int) -> tuple[int, int]:
     """Return the bytes of a strip or tile, and of one that is filled up to its full height."""
     samples = page.samplesperpixel if page.planarconfig == 1 else 1
     width, height = (page.tilewidth, page.tilelength) if page.is_tiled else (page.imagewidth, page.rowsperstrip)
-    if not isinstance(page.bitspersample, int):
-        raise ImageError(f"its samples have {page.bitspersample} bits; save them with equal numbers of bits.")
     row = (width * samples * page.bitspersample + 7) // 8
     if page.is_tiled:
         return row * height, row * height

@@ -53,7 +53,7 @@ def read_tiff(path: Path, page: int | None, mapped: bool) -> Image:
         chosen = _choose(tiff, page, path.name)
         if chosen.imagedepth != 1:
             raise ImageError(f"it is a volume of {chosen.imagedepth} slices in one page; save each in its own file.")
-        if chosen.dtype is None:
+        if chosen.dtype is None or not isinstance(chosen.bitspersample, int):
             raise ImageError(
                 f"its samples have {chosen.bitspersample} bits and format {chosen.sampleformat}, which is not read; "
                 "save it in 8 bit, 16 bit or 32-bit float."
