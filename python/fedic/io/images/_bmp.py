@@ -10,6 +10,7 @@ __all__ = ["decode_bmp"]
 
 _UNCOMPRESSED = (0, 3)
 _OS2_HEADER_BYTES = 12
+_HEADER_BYTES = (12, 16, 40, 52, 56, 64, 108, 124)
 
 
 def decode_bmp(data: bytes) -> Image:
@@ -33,6 +34,8 @@ def decode_bmp(data: bytes) -> Image:
     if len(data) < 26:
         raise damaged("it ends within its header")
     offset, header_bytes = struct.unpack_from("<II", data, 10)
+    if header_bytes not in _HEADER_BYTES:
+        raise damaged(f"its header states a length of {header_bytes} bytes")
     compression = 0
     if header_bytes == _OS2_HEADER_BYTES:
         width, height, _, depth = struct.unpack_from("<HHHH", data, 18)

@@ -9,7 +9,6 @@ from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
 from fedic.io.image_origins import remember_file
 from fedic.io.images._faults import damaged
-from fedic.io.images._formats import HEADER_BYTES, recognise
 from fedic.io.images.page_names import split_page
 
 __all__ = ["read_image"]
@@ -65,6 +64,8 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
 
 
 def _read(path: Path, page: int | None, *, mapped: bool) -> Image:
+    from fedic.io.images._formats import HEADER_BYTES, recognise  # not needed by `import fedic`
+
     mode = path.stat().st_mode
     if stat.S_ISDIR(mode):
         raise ImageError("this is a folder; give an image file, or a pattern such as 'folder/*.tif'.")

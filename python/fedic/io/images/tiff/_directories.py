@@ -12,7 +12,9 @@ if TYPE_CHECKING:
 
 __all__ = ["image_offsets"]
 
-_MAX_PAGES = 100_000
+_MAX_PAGES = 10_000
+"""Directories that are read beyond the page that is asked for."""
+_MAX_PAGE = 1_000_000
 _MAX_TAGS = 4096
 _MAX_SUBIMAGES = 1000
 _NEW_KIND, _OLD_KIND, _SUBIMAGES = 254, 255, 330
@@ -55,10 +57,16 @@ def image_offsets(tiff: "TiffFile", page: int | None) -> list[int]:
     """
     full, reduced = list[int](), list[int]()
     seen = set[int]()
+    limit = min(page or 0, _MAX_PAGE) + _MAX_PAGES
     offset = _read(tiff, 8 if tiff.tiff.version == 43 else 4, tiff.tiff.offsetformat)[0]
     while offset and (page is None or len(full) <= page):
         directory = _directory(tiff, offset, seen)
         subimages = [_directory(tiff, place, seen) for place in directory.subimages]
+        if len(seen) > limit:
+            raise ImageError(
+                f"the file lists more than {limit} pages, or is damaged; name a page by its number, such as #0, or "
+                "split the file."
+            )
         for each in (directory, *subimages):
             if not each.is_mask:
                 (reduced if each.is_reduced else full).append(each.offset)
@@ -69,11 +77,6 @@ def image_offsets(tiff: "TiffFile", page: int | None) -> list[int]:
 def _directory(tiff: "TiffFile", offset: int, seen: set[int]) -> _Directory:
     if offset in seen:
         raise damaged("its list of pages runs in a circle")
-    if len(seen) >= _MAX_PAGES:
-        raise ImageError(
-            f"the file lists more than {_MAX_PAGES} pages, or is damaged; name a page before them by its number, such "
-            "as #0, or split the file."
-        )
     seen.add(offset)
     layout = tiff.tiff
     (count,) = _read(tiff, offset, layout.tagnoformat)

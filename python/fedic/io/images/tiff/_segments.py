@@ -39,7 +39,7 @@ def check_segments(page: "TiffPage") -> None:
     needed = 1 if page.is_contiguous else math.prod(page.chunked)
     name = "tiles" if page.is_tiled else "strips"
     if len(offsets) < needed or len(counts) < needed:
-        raise damaged(f"it has {min(len(offsets), len(counts))} {name}, and its size needs {needed}")
+        raise damaged(f"it has {min(len(offsets), len(counts))} of the {needed} {name} that its size needs")
     if any(offset <= 0 or count <= 0 for offset, count in zip(offsets, counts, strict=False)):
         raise damaged(f"some of its {name} are missing")
     size = page.parent.filehandle.size
