@@ -158,6 +158,17 @@ def test_a_stack_of_one_directory_that_is_cut_is_refused(tmp_path: Path) -> None
     np.testing.assert_array_equal(fedic.read_image(tmp_path / "one.tif"), G8)
 
 
+def test_a_stack_of_metamorph_lists_one_directory_for_all_planes(tmp_path: Path) -> None:
+    planes = np.stack([G8, ~G8, G8[::-1]])
+    page = tiff_writer.page(G8, tags={33628: ("I", [0, 0]), 33629: ("rational", [1] * 9), 279: ("I", [G8.size])})
+    content = tiff_writer.write([tiff_writer.Page(page.tags, [planes.tobytes()])])
+    # The tag states the number of planes, each of which has three times as much data as usual for its type.
+    content = content.replace(struct.pack("<HHI", 33629, 5, 9), struct.pack("<HHI", 33629, 5, 3))
+    refused(tmp_path, content, "holds 3 pages", "image.stk")
+    for number, plane in enumerate(planes):
+        np.testing.assert_array_equal(fedic.read_image(f"{tmp_path / 'image.stk'}#{number}"), plane)
+
+
 def png(width: int, height: int, rows: bytes, extra: bytes = b"") -> bytes:
     def chunk(kind: bytes, content: bytes) -> bytes:
         return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))

@@ -14,7 +14,7 @@ VARIANTS = list(variants())
 
 @pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: f"{variant.format}, {variant.name}")
 def test_an_image_file_is_read_exactly_or_refused_by_name(
-    tmp_path: Path, variant: Variant, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, variant: Variant, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / f"image{variant.suffix}"
     variant.write(path)
@@ -32,4 +32,8 @@ def test_an_image_file_is_read_exactly_or_refused_by_name(
         if variant.tolerance == 0.0:
             assert read.dtype == variant.truth.dtype
         np.testing.assert_allclose(read, variant.truth, rtol=0, atol=variant.tolerance)
+        monkeypatch.setattr("fedic.io.images.tiff.reader._MAPPED_BYTES", 1)
+        mapped = fedic.read_image(name, mapped=True)
+        assert not mapped.flags.writeable
+        np.testing.assert_array_equal(mapped, read)
     assert capfd.readouterr() == ("", "")

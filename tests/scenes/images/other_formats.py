@@ -1,12 +1,14 @@
 """Image files of other formats."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import cv2
 import imagecodecs
 import numpy as np
+import PIL.Image
 from numpy.typing import NDArray
 
 from scenes.images.levels import C8, C16, F32, G1, G8, G12, G16, ROUNDING, luminance
@@ -92,6 +94,7 @@ def others() -> Iterator[Variant]:
             lambda image: imagecodecs.jpegxl_encode(image, lossless=True),
             ROUNDING,
         )
+    yield from _by_pillow()
     yield opencv("8 bit", ".bmp", G8)
     yield opencv("24-bit RGB", ".bmp", C8, ROUNDING)
     yield opencv("8 bit", ".jpg", G8, 4, IMWRITE_JPEG_QUALITY=100)
@@ -170,6 +173,32 @@ def others() -> Iterator[Variant]:
         library="NumPy",
     )
     yield Variant(".npy", "complex", ".npy", _save(F32.astype(complex)), None, "complex128", library="NumPy")
+
+
+def _by_pillow() -> Iterator[Variant]:
+    turned = PIL.Image.Exif()
+    turned[0x0112] = 6
+    ramp = np.random.default_rng(4).permutation(256).astype(np.uint8)
+    palette = PIL.Image.fromarray(np.argsort(ramp).astype(np.uint8)[G8], "P")
+    palette.putpalette(np.repeat(ramp, 3).tobytes())
+    cmyk = PIL.Image.fromarray(np.stack([~G8, ~G8, ~G8, G8 * 0], axis=2), "CMYK")
+    both = PIL.Image.fromarray(np.stack([G8, G8 // 2], axis=2), "LA")
+    black_white = PIL.Image.fromarray(G1)
+    grey_image = PIL.Image.fromarray(G8)
+    for form, name, picture, truth, tolerance, options in (
+        ("PNG", "1 bit", black_white, G1 * np.uint8(255), 0, {}),
+        ("PNG", "grey palette", palette, G8, 0, {}),
+        ("PNG", "grey and alpha", both, G8, 0, {}),
+        ("PNG", "EXIF orientation 6", grey_image, G8, 0, {"exif": turned}),
+        ("BMP", "1 bit", black_white, G1 * np.uint8(255), 0, {}),
+        ("BMP", "grey palette", palette, G8, 0, {}),
+        ("JPEG", "EXIF orientation 6", grey_image, G8, 4, {"quality": 100, "exif": turned}),
+        ("JPEG", "CMYK", cmyk, G8, 6, {"quality": 100}),
+        ("WebP", "EXIF orientation 6", grey_image, G8, ROUNDING, {"lossless": True, "exif": turned}),
+    ):
+        suffix = f".{form.lower()}"
+        library = "imagecodecs" if form == "WebP" else "OpenCV"
+        yield Variant(form, name, suffix, partial(picture.save, **options), truth, "", tolerance, library)
 
 
 def _save(array: NDArray[Any]) -> Callable[[Path], object]:

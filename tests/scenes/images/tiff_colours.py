@@ -63,6 +63,8 @@ def photometric() -> Iterator[Variant]:
         )
         yield tiff(f"16-bit grey and alpha, {compression}", np.stack([G16, ~G16], axis=2), G16, compression=compression)
     yield tiff("8-bit YCbCr, uncompressed", C8, C8[:, :, 0], photometric=6, tags={530: ("H", [1, 1])})
+    yield tiff("no photometric tag, grey", G8, G8, tags={262: ("H", [])})
+    yield tiff("no photometric tag, RGB", C8, luminance(C8), tags={262: ("H", [])}, tolerance=ROUNDING)
     yield tiff("16-bit RGB", C16, luminance(C16), tolerance=ROUNDING)
     floats = C16.astype(np.float32) / 7
     yield tiff("32-bit float RGB", floats, luminance(floats), tolerance=0.01)

@@ -2,7 +2,7 @@
 
 from fedic.errors import ImageError
 
-__all__ = ["check_size", "damaged"]
+__all__ = ["check_size", "damaged", "undecodable"]
 
 _MAX_BYTES = 1 << 32
 
@@ -22,6 +22,25 @@ def damaged(what: str = "") -> ImageError:
     """
     found = f": {what}" if what else ""
     return ImageError(f"the image file is truncated or damaged{found}; copy or export it again.")
+
+
+def undecodable(reason: object) -> ImageError:
+    """Return the error of a file that a library cannot decode, for whatever reason.
+
+    Parameters
+    ----------
+    reason : object
+        What the library says.
+
+    Returns
+    -------
+    ImageError
+        To be raised.
+    """
+    return ImageError(
+        f"the image file is truncated or damaged, or of a variant that is not read ({reason!s:.200}); copy it "
+        "again, or save it as PNG or TIFF."
+    )
 
 
 def check_size(width: int, height: int, bytes_per_pixel: int) -> None:

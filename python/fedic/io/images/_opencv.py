@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._internal.types import Image
-from fedic.io.images._faults import damaged
+from fedic.io.images._faults import undecodable
 from fedic.io.images._levels import luminance
 
 __all__ = ["decode_with_opencv"]
@@ -36,9 +36,9 @@ def decode_with_opencv(data: bytes) -> Image:
     try:
         samples = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
-        raise damaged() from error
+        raise undecodable(error) from error
     if samples is None:
-        raise damaged()
+        raise undecodable("OpenCV finds no image in it")
     if samples.ndim == 3 and samples.shape[2] >= 3:
         samples = samples[:, :, 2::-1]
     return luminance(samples)

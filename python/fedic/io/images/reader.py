@@ -8,7 +8,7 @@ import numpy as np
 from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
 from fedic.io.image_origins import remember_file
-from fedic.io.images._faults import damaged
+from fedic.io.images._faults import damaged, undecodable
 from fedic.io.images.page_names import split_page
 
 __all__ = ["read_image"]
@@ -56,7 +56,7 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
     except MemoryError as error:
         raise ImageError(f"{whole}: there is not enough memory for this image.") from error
     except Exception as error:  # decoders raise anything on a damaged file
-        raise ImageError(f"{whole}: {damaged()}") from error
+        raise ImageError(f"{whole}: {undecodable(error)}") from error
     if mapped:
         _freeze(image)
     remember_file(image, whole)

@@ -4,6 +4,7 @@ import math
 from typing import TYPE_CHECKING
 
 from fedic.io.images._faults import damaged
+from fedic.io.images.tiff._segments import is_contiguous
 
 if TYPE_CHECKING:
     from tifffile import TiffFile, TiffPage
@@ -34,7 +35,7 @@ def count_planes(tiff: "TiffFile", page: "TiffPage") -> int:
         If the file is cut within the stack.
     """
     stated = _stated(tiff, page)
-    if stated < 2 or not page.is_final:
+    if stated < 2 or not page.is_final or not is_contiguous(page):
         return 1
     room = (tiff.filehandle.size - page.dataoffsets[0]) // page.nbytes
     if room >= stated:

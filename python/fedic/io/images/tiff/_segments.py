@@ -14,12 +14,31 @@ from fedic.io.images._jpegxl import check_jpegxl
 if TYPE_CHECKING:
     from tifffile import TiffPage
 
-__all__ = ["check_segments", "read_samples"]
+__all__ = ["check_segments", "is_contiguous", "read_samples"]
 
 _JPEG = (7, 33007, 34892)
 _JPEG2000 = (33003, 33004, 33005, 34712)
 _JPEGXL = (50002, 52546)
 _LZW, _PACKBITS = 5, 32773
+
+
+def is_contiguous(page: "TiffPage") -> bool:
+    """Return whether the samples of a page are uncompressed and follow each other in the file.
+
+    Parameters
+    ----------
+    page : TiffPage
+        The page.
+
+    Returns
+    -------
+    bool
+        False also where tifffile takes it for granted, in files of some microscopes.
+    """
+    offsets, counts = page.dataoffsets, page.databytecounts
+    return page.is_contiguous and all(
+        start + count == following for start, count, following in zip(offsets, counts, offsets[1:], strict=False)
+    )
 
 
 def check_segments(page: "TiffPage") -> None:
@@ -36,7 +55,8 @@ def check_segments(page: "TiffPage") -> None:
         If it is damaged.
     """
     offsets, counts = page.dataoffsets, page.databytecounts
-    needed = 1 if page.is_contiguous else math.prod(page.chunked)
+    contiguous = is_contiguous(page)
+    needed = 1 if contiguous else math.prod(page.chunked)
     name = "tiles" if page.is_tiled else "strips"
     if len(offsets) < needed or len(counts) < needed:
         raise damaged(f"it has {min(len(offsets), len(counts))} of the {needed} {name} that its size needs")
@@ -45,7 +65,7 @@ def check_segments(page: "TiffPage") -> None:
     size = page.parent.filehandle.size
     if any(offset + count > size for offset, count in zip(offsets, counts, strict=False)):
         raise damaged(f"some of its {name} lie beyond its end")
-    if page.is_contiguous and min(sum(counts), size - offsets[0]) < page.nbytes:
+    if contiguous and min(sum(counts), size - offsets[0]) < page.nbytes:
         raise damaged(f"its {name} hold {sum(counts)} bytes, and its size needs {page.nbytes}")
 
 
@@ -69,7 +89,7 @@ def read_samples(page: "TiffPage", *, mapped: bool) -> NDArray[Any]:
     ImageError
         If a strip or tile decodes to another size or type than the page states.
     """
-    contiguous = page.is_contiguous
+    contiguous = is_contiguous(page)
     samples = page.asarray(out="memmap" if mapped else None, squeeze=False) if contiguous else _decode(page)
     return samples[0, 0] if page.planarconfig == 1 else np.moveaxis(samples[:, 0, :, :, 0], 0, -1)
 

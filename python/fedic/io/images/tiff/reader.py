@@ -10,7 +10,7 @@ from fedic.io.images._faults import check_size, damaged
 from fedic.io.images.tiff._colours import colour_samples, grey_levels
 from fedic.io.images.tiff._directories import image_offsets
 from fedic.io.images.tiff._planes import count_planes, select_plane
-from fedic.io.images.tiff._segments import check_segments, read_samples
+from fedic.io.images.tiff._segments import check_segments, is_contiguous, read_samples
 
 if TYPE_CHECKING:
     from tifffile import TiffFile, TiffPage
@@ -63,7 +63,7 @@ def read_tiff(path: Path, page: int | None, mapped: bool) -> Image:
         check_segments(chosen)
         if chosen.compression != 1:
             check_size(chosen.imagewidth, chosen.imagelength, chosen.samplesperpixel * max(chosen.dtype.itemsize, 1))
-        can_map = chosen.is_contiguous and chosen.is_memmappable and colours == 1
+        can_map = is_contiguous(chosen) and chosen.is_memmappable and colours == 1
         samples = read_samples(chosen, mapped=mapped and can_map and chosen.nbytes >= _MAPPED_BYTES)
         return grey_levels(chosen, samples)
 
