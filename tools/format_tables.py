@@ -1,7 +1,7 @@
 """Write the tables of the files that fedic reads, from small files that are written, read and compared.
 
-Usage: ``python tools/format_tables.py`` writes ``docs/formats.md``; ``--check`` fails if that is out of date. Each module
-of ``tools/formats`` gives one table: ``TITLE``, ``COLUMNS`` and ``rows(folder)``.
+Usage: ``python tools/format_tables.py`` writes ``docs/formats.md``; with ``--check`` it fails if that is out of date.
+Each module of ``tools/formats`` gives one table: ``TITLE``, ``COLUMNS`` and ``rows(folder)``.
 """
 
 import importlib.util

@@ -7,8 +7,10 @@ import pytest
 import tifffile
 
 import fedic
-from fedic.campaign import load_config
+from fedic.campaign import load_config, measure_series
+from fedic.cli.common import check_picture
 from fedic.errors import ConfigError
+from fedic.io.image_origins import file_of
 from fedic.io.images import image_stem, split_page
 from fedic.io.kept import KeptImage
 
@@ -63,8 +65,6 @@ def test_a_page_of_a_large_stack_is_mapped(tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_page_that_a_result_needs_again_is_found(stack: Path) -> None:
     image = fedic.read_image(f"{stack}#2")
-    from fedic.io.image_origins import file_of
-
     kept = KeptImage.of(image, "reference", file_of(image))
     assert kept.array is None
     np.testing.assert_array_equal(kept.read(), STACK[2])
@@ -104,8 +104,12 @@ def test_a_page_has_its_own_results(tmp_path: Path) -> None:
     (tmp_path / "test.toml").write_text(
         CONFIG.format(deformed='["stack.tif#1", "stack.tif#2"]').replace("45, 35", "65, 45") + "pictures = false\n"
     )
-    from fedic.campaign import measure_series
-
     frames = list(measure_series(load_config(tmp_path / "test.toml")))
     assert [frame.error for frame in frames] == [None, None]
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {"stack-1.vtu", "stack-1.npz", "stack-2.vtu"}
+
+
+def test_a_picture_does_not_replace_the_file_of_a_page(stack: Path) -> None:
+    image = stack.rename(stack.with_name("image.png"))
+    with pytest.raises(fedic.FedicError, match="the picture would replace an input image"):
+        check_picture(image, [image.with_name("image.png#1")], overwrite=True)
