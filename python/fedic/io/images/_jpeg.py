@@ -9,7 +9,7 @@ from fedic.io.images._faults import check_size, damaged
 from fedic.io.images._levels import luminance
 from fedic.io.images._opencv import decode_with_opencv
 
-__all__ = ["check_jpeg_end", "decode_jpeg"]
+__all__ = ["JpegFrame", "check_jpeg", "decode_jpeg"]
 
 _START_OF_SCAN = 0xDA
 _NO_FRAME = (0xC4, 0xC8, 0xCC)
@@ -20,7 +20,9 @@ _WITHOUT_LENGTH = (0x01, *range(0xD0, 0xD9))
 
 
 @dataclass(frozen=True)
-class _Frame:
+class JpegFrame:
+    """Kind, depth and size of a JPEG image, from its header."""
+
     marker: int
     bits: int
     width: int
@@ -46,9 +48,7 @@ def decode_jpeg(data: bytes) -> Image:
     ImageError
         If it is damaged, too large, or of a kind that is not read.
     """
-    frame = _frame(data)
-    check_size(frame.width, frame.height, frame.components * (1 if frame.bits <= 8 else 2))
-    check_jpeg_end(data)
+    frame = check_jpeg(data)
     if frame.bits == 8 and frame.marker in _LOSSY_OF_OPENCV:
         return decode_with_opencv(data)
     if frame.components not in (1, 3):
@@ -62,25 +62,33 @@ def decode_jpeg(data: bytes) -> Image:
     return luminance(imagecodecs.jpeg_decode(data, bitspersample=frame.bits))
 
 
-def check_jpeg_end(data: bytes) -> None:
-    """Refuse JPEG data that end before the image does.
+def check_jpeg(data: bytes) -> JpegFrame:
+    """Refuse JPEG data that end before the image does, or are too large once decoded.
 
     Parameters
     ----------
     data : bytes
         A whole JPEG image.
 
+    Returns
+    -------
+    JpegFrame
+        What its header states.
+
     Raises
     ------
     ImageError
-        If the marker of the end is missing.
+        If the header or the marker of the end is missing, or the image is too large.
     """
+    frame = _frame(data)
+    check_size(frame.width, frame.height, frame.components * (1 if frame.bits <= 8 else 2))
     # Neither marker can occur inside the compressed data, where 0xFF is escaped.
     if not data.rfind(b"\xff\xd9") > data.rfind(b"\xff\xda") > 0:
         raise damaged("it ends before the image does")
+    return frame
 
 
-def _frame(data: bytes) -> _Frame:
+def _frame(data: bytes) -> JpegFrame:
     position = 2
     while position + 4 <= len(data) and data[position] == 0xFF:
         marker = data[position + 1]
@@ -95,6 +103,6 @@ def _frame(data: bytes) -> _Frame:
                 if position + 10 > len(data):
                     break
                 bits, height, width, components = struct.unpack_from(">BHHB", data, position + 4)
-                return _Frame(marker, bits, width, height, components)
+                return JpegFrame(marker, bits, width, height, components)
             position += 2 + int.from_bytes(data[position + 2 : position + 4], "big")
     raise damaged("its header is incomplete")

@@ -8,7 +8,7 @@ from fedic.errors import ImageError
 from fedic.io.images._faults import check_size, damaged
 from fedic.io.images._opencv import decode_with_opencv
 
-__all__ = ["decode_png"]
+__all__ = ["check_png", "decode_png"]
 
 _SIGNATURE_BYTES = 8
 
@@ -31,6 +31,23 @@ def decode_png(data: bytes) -> Image:
     ImageError
         If it is damaged, too large or animated.
     """
+    check_png(data)
+    return decode_with_opencv(data)
+
+
+def check_png(data: bytes) -> None:
+    """Refuse PNG data that are damaged, or too large once decoded.
+
+    Parameters
+    ----------
+    data : bytes
+        A whole PNG image.
+
+    Raises
+    ------
+    ImageError
+        If a checksum is wrong, the end is missing, the image is too large or animated.
+    """
     position = _SIGNATURE_BYTES
     while True:
         if position + 12 > len(data):
@@ -48,5 +65,5 @@ def decode_png(data: bytes) -> Image:
         if kind == b"acTL" and length >= 4 and struct.unpack_from(">I", data, body)[0] > 1:
             raise ImageError("this is an animated PNG; save each of its frames in its own file.")
         if kind == b"IEND":
-            return decode_with_opencv(data)
+            return
         position = body + length + 4

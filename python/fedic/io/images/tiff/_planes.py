@@ -1,6 +1,8 @@
 """Stacks that list one page for many images: those of ImageJ, of MetaMorph, and truncated ones of tifffile."""
 
+import json
 import math
+import re
 from typing import TYPE_CHECKING
 
 from fedic.io.images._faults import damaged
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["count_planes", "select_plane"]
 
 _UIC2 = 33629
+_IMAGES = re.compile(r"^images=([0-9]{1,9})\s*$", re.MULTILINE)
 
 
 def count_planes(tiff: "TiffFile", page: "TiffPage") -> int:
@@ -34,7 +37,7 @@ def count_planes(tiff: "TiffFile", page: "TiffPage") -> int:
     ImageError
         If the file is cut within the stack.
     """
-    stated = _stated(tiff, page)
+    stated = _stated(page)
     if stated < 2 or not page.is_final or not is_contiguous(page):
         return 1
     room = (tiff.filehandle.size - page.dataoffsets[0]) // page.nbytes
@@ -60,14 +63,15 @@ def select_plane(page: "TiffPage", plane: int) -> None:
     page.databytecounts = (page.nbytes,)
 
 
-def _stated(tiff: "TiffFile", page: "TiffPage") -> int:
+def _stated(page: "TiffPage") -> int:
     if page.is_stk:
         tag = page.tags.get(_UIC2)
         return 1 if tag is None else int(tag.count)
     if page.is_imagej:
-        return int((tiff.imagej_metadata or {}).get("images", 1))
+        images = _IMAGES.search(page.imagej_description or "")
+        return int(images[1]) if images else 1
     if page.is_shaped:
-        for series in tiff.shaped_metadata or ():
-            if series.get("truncated"):
-                return int(math.prod(series["shape"])) // math.prod(page.shape)
+        stated = json.loads(page.shaped_description or "{}")
+        if stated.get("truncated"):
+            return int(math.prod(stated["shape"])) // math.prod(page.shape)
     return 1

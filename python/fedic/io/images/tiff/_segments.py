@@ -1,15 +1,17 @@
 """The samples of a page, from its strips or tiles."""
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fedic.io.images._faults import damaged
-from fedic.io.images._jpeg import check_jpeg_end
+from fedic.io.images._jpeg import check_jpeg
 from fedic.io.images._jpeg2000 import check_jpeg2000
 from fedic.io.images._jpegxl import check_jpegxl
+from fedic.io.images._png import check_png
 
 if TYPE_CHECKING:
     from tifffile import TiffPage
@@ -17,8 +19,13 @@ if TYPE_CHECKING:
 __all__ = ["check_segments", "is_contiguous", "read_samples"]
 
 _JPEG = (7, 33007, 34892)
-_JPEG2000 = (33003, 33004, 33005, 34712)
-_JPEGXL = (50002, 52546)
+_CHECKS: dict[int, Callable[[bytes], object]] = {
+    **dict.fromkeys(_JPEG, check_jpeg),
+    **dict.fromkeys((33003, 33004, 33005, 34712), check_jpeg2000),
+    **dict.fromkeys((50002, 52546), check_jpegxl),
+    34933: check_png,
+}
+"""Checks of the image that a strip or tile is, by compression."""
 _LZW, _PACKBITS = 5, 32773
 
 
@@ -119,12 +126,9 @@ def _decode(page: "TiffPage") -> NDArray[Any]:
 
 
 def _check_segment(page: "TiffPage", index: int, data: bytes) -> None:
-    if page.compression in _JPEG:
-        check_jpeg_end(data)
-    elif page.compression in _JPEG2000:
-        check_jpeg2000(data)
-    elif page.compression in _JPEGXL:
-        check_jpegxl(data)
+    check = _CHECKS.get(int(page.compression))
+    if check is not None:
+        check(data)
     elif page.compression in (_LZW, _PACKBITS):
         import imagecodecs
 
