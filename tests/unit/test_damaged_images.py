@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import fedic
 from scenes.images import tiff_writer
 from scenes.images.catalogue import variants
-from scenes.images.levels import G8, G16
+from scenes.images.levels import C8, G8, G16
 from scenes.images.variant import Variant
 
 READ = [variant for variant in variants() if variant.truth is not None]
@@ -184,6 +184,9 @@ def test_images_that_would_decode_to_more_than_4_gib_are_refused_before_decoding
     refused(tmp_path, b"P5 100000 100000 255\n", limit, "image.pgm")
     wide = tiff_writer.page(G8, compression="LZW", tags={code: ("I", [100_000]) for code in (256, 257, 278)})
     refused(tmp_path, tiff_writer.write([wide]), limit)
+    row = tiff_writer.page(np.zeros((1, 1 << 20), np.uint8), tags={257: ("I", [5000]), 278: ("I", [1])})
+    repeated = {**row.tags, 273: ("I", [16] * 5000), 279: ("I", [1 << 20] * 5000)}
+    refused(tmp_path, tiff_writer.write([tiff_writer.Page(repeated, row.segments)]), limit)
     for name, data, place in (
         ("image.j2k", imagecodecs.jpeg2k_encode(G8, codecformat="j2k"), 8),
         ("image.bmp", struct.pack("<2sIHHIIIIHHI", b"BM", 0, 0, 0, 54, 40, 0, 0, 1, 24, 0).ljust(99, b"\0"), 18),
@@ -194,6 +197,8 @@ def test_images_that_would_decode_to_more_than_4_gib_are_refused_before_decoding
     jpeg = bytearray(imagecodecs.jpeg_encode(np.dstack([G16 >> 4] * 3), bitspersample=12))
     struct.pack_into(">HH", jpeg, jpeg.index(b"\xff\xc1") + 5, 65500, 65500)
     refused(tmp_path, bytes(jpeg), limit, "image.jpg")
+    strip = tiff_writer.page(C8, compression="JPEG")
+    refused(tmp_path, tiff_writer.write([tiff_writer.Page(strip.tags, [bytes(jpeg)])]), limit)
     # Large images of JPEG XL begin with these sizes: two bits for the number of bits, then 30 of them.
     bits = 0 | (3 << 1) | (99_999 << 3) | (0 << 33) | (3 << 36) | (99_999 << 38)
     refused(tmp_path, b"\xff\x0a" + bits.to_bytes(9, "little"), limit, "image.jxl")
