@@ -62,6 +62,9 @@ _SUFFIXES = {
     ".his": f"a Hamamatsu recording; {_CAMERA_SOFTWARE}",
     **dict.fromkeys((".avi", ".mp4", ".mov", ".mkv", ".wmv", ".mpg", ".mpeg"), f"a video; {_FRAMES}"),
     **dict.fromkeys((".dng", ".cr2", ".cr3", ".nef", ".arw", ".orf", ".rw2", ".raf"), f"a raw image; {_DEVELOP}"),
+    **dict.fromkeys(
+        (".im7", ".imx", ".czi", ".nd2", ".lif"), "an image of a microscope or of DIC software; export TIFF"
+    ),
     ".tga": f"a TGA image; {_CONVERT}",
     ".pcx": f"a PCX image; {_CONVERT}",
 }

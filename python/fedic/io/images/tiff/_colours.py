@@ -9,6 +9,7 @@ from fedic._internal.types import Image
 from fedic.errors import ImageError
 from fedic.io.images._faults import damaged
 from fedic.io.images._levels import luminance
+from fedic.io.images.tiff._compressions import JPEG
 
 if TYPE_CHECKING:
     from tifffile import TiffPage
@@ -17,7 +18,7 @@ __all__ = ["colour_samples", "grey_levels"]
 
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _YCBCR = 0, 1, 2, 3, 6
 _COLOUR_SAMPLES = {_WHITE_IS_ZERO: 1, _BLACK_IS_ZERO: 1, _RGB: 3, _PALETTE: 1, _YCBCR: 3}
-_JPEG = (7, 33007, 34892)
+_SENSOR_COLOURS = (32803, 34892)
 _UNSIGNED = (1, 4)
 _PHOTOMETRIC = 262
 _FULL_RANGE = (0, 1, 255, 1, 128, 1, 255, 1, 128, 1, 255, 1)
@@ -44,6 +45,11 @@ def colour_samples(page: "TiffPage") -> int:
         If the photometric interpretation is not read, or contradicts the number of samples.
     """
     kind = _kind(page)
+    if kind in _SENSOR_COLOURS:
+        raise ImageError(
+            f"it holds the raw colours of a sensor ({_name(page)}), which need developing; export a linear 16-bit TIFF "
+            "from the camera's software."
+        )
     if kind not in _COLOUR_SAMPLES:
         raise ImageError(
             f"its photometric interpretation is {_name(page)}, which has no grey levels of its own; save the image as "
@@ -60,7 +66,7 @@ def colour_samples(page: "TiffPage") -> int:
             f"its photometric interpretation is {_name(page)}, which has no meaning for {page.dtype} values; save the "
             "image with black as 0."
         )
-    if kind == _YCBCR and page.compression not in _JPEG:
+    if kind == _YCBCR and page.compression not in JPEG:
         for tag, usual in ((_REFERENCE_BLACK_WHITE, _FULL_RANGE), (_YCBCR_COEFFICIENTS, _REC_601)):
             if tuple(page.tags.valueof(tag, usual)) != usual or page.is_subsampled:
                 raise ImageError("its colours are YCbCr of an unusual kind; save the image as grey or RGB.")
@@ -88,7 +94,7 @@ def grey_levels(page: "TiffPage", samples: NDArray[Any]) -> Image:
         If the samples are of a type that is not read, or beyond the palette.
     """
     kind = _kind(page)
-    if kind == _RGB or (kind == _YCBCR and page.compression in _JPEG):
+    if kind == _RGB or (kind == _YCBCR and page.compression in JPEG):
         return luminance(samples[:, :, :3])
     first = samples[:, :, 0]
     if kind == _WHITE_IS_ZERO:

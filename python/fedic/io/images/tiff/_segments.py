@@ -1,32 +1,18 @@
 """The samples of a page, from its strips or tiles."""
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fedic.io.images._faults import damaged
-from fedic.io.images._jpeg import check_jpeg
-from fedic.io.images._jpeg2000 import check_jpeg2000
-from fedic.io.images._jpegxl import check_jpegxl
-from fedic.io.images._png import check_png
+from fedic.io.images.tiff._compressions import JPEG, LZW, PACKBITS, check_segment
 
 if TYPE_CHECKING:
     from tifffile import TiffPage
 
 __all__ = ["check_segments", "is_contiguous", "read_samples"]
-
-_JPEG = (7, 33007, 34892)
-_CHECKS: dict[int, Callable[[bytes], object]] = {
-    **dict.fromkeys(_JPEG, check_jpeg),
-    **dict.fromkeys((33003, 33004, 33005, 34712), check_jpeg2000),
-    **dict.fromkeys((50002, 52546), check_jpegxl),
-    34933: check_png,
-}
-"""Checks of the image that a strip or tile is, by compression."""
-_LZW, _PACKBITS = 5, 32773
 
 
 def is_contiguous(page: "TiffPage") -> bool:
@@ -108,11 +94,12 @@ def _decode(page: "TiffPage") -> NDArray[Any]:
     types = (np.bool_, np.uint8) if page.dtype.kind == "b" else (page.dtype.type,)
     file = page.parent.filehandle
     needed = math.prod(page.chunked)
-    tables = {"jpegtables": page.jpegtables} if page.compression in _JPEG else {}
+    tables = {"jpegtables": page.jpegtables} if page.compression in JPEG else {}
     for index, (offset, count) in enumerate(zip(page.dataoffsets[:needed], page.databytecounts, strict=False)):
         file.seek(offset)
         data = file.read(count)
-        _check_segment(page, index, data)
+        check_segment(page, data)
+        _check_length(page, index, data)
         segment, (plane, depth, row, column, _), _ = page.decode(data, index, **tables)
         if segment is None or segment.dtype.type not in types:
             found = "nothing" if segment is None else f"{segment.dtype} values"
@@ -125,18 +112,16 @@ def _decode(page: "TiffPage") -> NDArray[Any]:
     return samples
 
 
-def _check_segment(page: "TiffPage", index: int, data: bytes) -> None:
-    check = _CHECKS.get(int(page.compression))
-    if check is not None:
-        check(data)
-    elif page.compression in (_LZW, _PACKBITS):
-        import imagecodecs
+def _check_length(page: "TiffPage", index: int, data: bytes) -> None:
+    """Refuse a strip or tile of a compression without checksum that decodes to another length than its rows have."""
+    if page.compression not in (LZW, PACKBITS):
+        return
+    import imagecodecs
 
-        # These two have no checksum: damage mostly changes the length.
-        decode = imagecodecs.lzw_decode if page.compression == _LZW else imagecodecs.packbits_decode
-        decoded = len(decode(data))
-        if decoded not in (expected := _expected_bytes(page, index)):
-            raise damaged(f"strip or tile {index} decodes to {decoded} bytes instead of {expected[0]}")
+    decode = imagecodecs.lzw_decode if page.compression == LZW else imagecodecs.packbits_decode
+    decoded = len(decode(data))
+    if decoded not in (expected := _expected_bytes(page, index)):
+        raise damaged(f"strip or tile {index} decodes to {decoded} bytes instead of {expected[0]}")
 
 
 def _expected_bytes(page: "TiffPage", index: int) -> tuple[int, int]:

@@ -8,6 +8,7 @@ from fedic._internal.types import Image
 from fedic.errors import ImageError
 from fedic.io.images._faults import check_size, damaged
 from fedic.io.images.tiff._colours import colour_samples, grey_levels
+from fedic.io.images.tiff._compressions import check_compression
 from fedic.io.images.tiff._directories import image_offsets
 from fedic.io.images.tiff._planes import count_planes, select_plane
 from fedic.io.images.tiff._segments import check_segments, is_contiguous, read_samples
@@ -19,8 +20,7 @@ __all__ = ["read_tiff"]
 
 _MAPPED_BYTES = 1 << 26
 """Size from which memory mapping an image is worthwhile."""
-_OLD_JPEG = 6
-_CFA = 32803
+_NO_OUTPUT = logging.NullHandler()
 
 
 def read_tiff(path: Path, page: int | None, mapped: bool) -> Image:
@@ -59,7 +59,7 @@ def read_tiff(path: Path, page: int | None, mapped: bool) -> Image:
                 "save it in 8 bit, 16 bit or 32-bit float."
             )
         colours = colour_samples(chosen)
-        _check_compression(chosen)
+        check_compression(chosen)
         check_segments(chosen)
         if not is_contiguous(chosen):
             check_size(chosen.imagewidth, chosen.imagelength, chosen.samplesperpixel * max(chosen.dtype.itemsize, 1))
@@ -68,56 +68,22 @@ def read_tiff(path: Path, page: int | None, mapped: bool) -> Image:
         return grey_levels(chosen, samples)
 
 
-_NO_OUTPUT = logging.NullHandler()
-
-
 def _choose(tiff: "TiffFile", page: int | None, name: str) -> "TiffPage":
     import tifffile
 
     offsets = image_offsets(tiff, page)
     if not offsets:
         raise damaged("it holds no image")
-    count = len(offsets)
-    if count == 1:
-        chosen = _page_at(tiff, offsets[0])
-        count = count_planes(tiff, chosen)
-        if count > 1 and page is not None and page < count:
-            select_plane(chosen, page)
-            return chosen
+    tiff.filehandle.seek(offsets[min(page or 0, len(offsets) - 1)])
+    chosen = tifffile.TiffPage(tiff, index=0)
+    planes = count_planes(tiff, chosen) if len(offsets) == 1 else 1
+    count = len(offsets) * planes
     if page is None and count > 1:
         raise ImageError(
             f"the file holds {count} pages; name one by its number, from 0: {name}#0 to {name}#{count - 1}."
         )
     if page is not None and page >= count:
         raise ImageError(f"page {page} does not exist: the file holds {count}, counted from 0.")
-    chosen = _page_at(tiff, offsets[page or 0])
-    assert isinstance(chosen, tifffile.TiffPage)
+    if planes > 1:
+        select_plane(chosen, page or 0)
     return chosen
-
-
-def _page_at(tiff: "TiffFile", offset: int) -> "TiffPage":
-    import tifffile
-
-    tiff.filehandle.seek(offset)
-    return tifffile.TiffPage(tiff, index=0)
-
-
-def _check_compression(page: "TiffPage") -> None:
-    import tifffile
-
-    compression, predictor = page.compression, page.predictor
-    if compression == _OLD_JPEG:
-        raise ImageError("its compression is the obsolete kind of JPEG (6); save it with another compression.")
-    for value, known, name in (
-        (compression, tifffile.TIFF.DECOMPRESSORS, "compression"),
-        (predictor, tifffile.TIFF.UNPREDICTORS, "predictor"),
-    ):
-        if value == 1:
-            continue
-        try:
-            known[value]
-        except (KeyError, ImportError, AttributeError) as error:
-            label = getattr(value, "name", "unknown")
-            raise ImageError(
-                f"its {name}, {label} ({int(value)}), is not read; save it uncompressed, or with LZW, deflate or ZSTD."
-            ) from error
