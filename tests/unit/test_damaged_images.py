@@ -99,6 +99,7 @@ def test_tiff_with_missing_or_displaced_parts_is_refused(tmp_path: Path, compres
     refused(tmp_path, changed([*page.segments], **{f"t{where}": [*starts[1:], len(whole) + 99]}), "beyond its end")
     refused(tmp_path, changed([*page.segments[:-1], page.segments[-1][: len(page.segments[-1]) // 2]]))
     assert count > 1
+    refused(tmp_path, changed([*page.segments], **{"t323" if tile else "t278": [0]}), "have no rows")
 
 
 def test_damaged_lzw_is_refused_unless_it_decodes_to_the_same_length(tmp_path: Path) -> None:

@@ -113,3 +113,11 @@ def test_a_picture_does_not_replace_the_file_of_a_page(stack: Path) -> None:
     image = stack.rename(stack.with_name("image.png"))
     with pytest.raises(fedic.FedicError, match="the picture would replace an input image"):
         check_picture(image, [image.with_name("image.png#1")], overwrite=True)
+
+
+def test_an_image_of_a_configuration_is_a_regular_file(stack: Path) -> None:
+    stack.with_name("frames").mkdir()
+    path = stack.with_name("test.toml")
+    path.write_text(CONFIG.format(deformed='"frames"'))
+    with pytest.raises(fedic.ImageError, match=r"images\.deformed names .*frames, which is not a regular file"):
+        load_config(path)

@@ -111,7 +111,6 @@ COMPRESSIONS: dict[str, tuple[int, Callable[[NDArray[Any], int, str], bytes]]] =
     "JPEG 2000": (34712, _imagewise(imagecodecs.jpeg2k_encode, level=0)),
     "JPEG XL": (50002, _imagewise(imagecodecs.jpegxl_encode, lossless=True)),
     "LERC": (34887, _imagewise(imagecodecs.lerc_encode)),
-    "JPEG XR": (34934, _imagewise(imagecodecs.jpegxr_encode, level=100)),
     "PNG": (34933, _imagewise(imagecodecs.png_encode)),
     "WebP": (50001, _imagewise(imagecodecs.webp_encode, lossless=True)),
 }

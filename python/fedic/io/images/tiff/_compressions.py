@@ -17,14 +17,14 @@ __all__ = ["JPEG", "LZW", "PACKBITS", "check_compression", "check_segment"]
 LZW, PACKBITS = 5, 32773
 JPEG = (7, 33007, 34892)
 _FAX, _DEFLATE, _LZMA, _ZSTD, _LERC = (2, 3, 4), (8, 32946), 34925, (50000, 34926), 34887
-_JPEG2000, _JPEG_XL, _JPEG_XR, _PNG, _WEBP = 34712, (50002, 52546), 34934, 34933, 50001
+_JPEG2000, _JPEG_XL, _PNG, _WEBP = 34712, (50002, 52546), 34933, 50001
 _CHECKS: dict[int, Callable[[bytes], object]] = {
     **dict.fromkeys(JPEG, check_jpeg),
     **dict.fromkeys(_JPEG_XL, check_jpegxl),
     _JPEG2000: check_jpeg2000,
     _PNG: check_png,
 }
-_READ = {1, LZW, PACKBITS, *_FAX, *_DEFLATE, _LZMA, *_ZSTD, _LERC, _JPEG_XR, _WEBP, *_CHECKS}
+_READ = {1, LZW, PACKBITS, *_FAX, *_DEFLATE, _LZMA, *_ZSTD, _LERC, _WEBP, *_CHECKS}
 _READ_PREDICTORS = {1, 2, 3}
 
 

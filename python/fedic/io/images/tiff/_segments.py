@@ -48,6 +48,8 @@ def check_segments(page: "TiffPage") -> None:
         If it is damaged.
     """
     offsets, counts = page.dataoffsets, page.databytecounts
+    if not (page.tilelength if page.is_tiled else page.rowsperstrip):
+        raise damaged("its strips or tiles have no rows")
     contiguous = is_contiguous(page)
     needed = 1 if contiguous else math.prod(page.chunked)
     name = "tiles" if page.is_tiled else "strips"
@@ -119,7 +121,10 @@ def _check_length(page: "TiffPage", index: int, data: bytes) -> None:
     import imagecodecs
 
     decode = imagecodecs.lzw_decode if page.compression == LZW else imagecodecs.packbits_decode
-    decoded = len(decode(data))
+    try:
+        decoded = len(decode(data))
+    except Exception as error:
+        raise damaged(f"strip or tile {index} cannot be decoded ({error})") from error
     if decoded not in (expected := _expected_bytes(page, index)):
         raise damaged(f"strip or tile {index} decodes to {decoded} bytes instead of {expected[0]}")
 
