@@ -228,7 +228,9 @@ def test_progress_prints_nothing_before_the_delay(
 
 
 def test_importing_fedic_loads_no_heavy_modules() -> None:
-    heavy = "cv2 gmsh imagecodecs matplotlib meshio pydantic rich scipy tifffile typer fedic.calibration fedic.registration"
+    heavy = (
+        "cv2 gmsh imagecodecs matplotlib meshio pydantic rich scipy tifffile typer fedic.calibration fedic.registration"
+    )
     code = f"import fedic, sys; print([name for name in {heavy.split()} if name in sys.modules])"
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert outcome.stdout.strip() == "[]"
