@@ -94,7 +94,7 @@ def test_run_maps_large_images_from_their_files(folder: Path, monkeypatch: pytes
         image = cv2.imread(str(folder / f"{stem}.png"), cv2.IMREAD_UNCHANGED)
         assert cv2.imwrite(str(folder / f"{stem}.tif"), image, [cv2.IMWRITE_TIFF_COMPRESSION, 1])
     (folder / "test.toml").write_text(CONFIG.replace(".png", ".tif") + "pictures = false\n")
-    monkeypatch.setattr("fedic.io.images._MAPPED_BYTES", 1)
+    monkeypatch.setattr("fedic.io.images.tiff.reader._MAPPED_BYTES", 1)
     held = []
     correlate = fedic.Correlator.correlate
 
@@ -228,7 +228,9 @@ def test_progress_prints_nothing_before_the_delay(
 
 
 def test_importing_fedic_loads_no_heavy_modules() -> None:
-    heavy = "cv2 gmsh matplotlib meshio pydantic rich scipy tifffile typer fedic.calibration fedic.registration"
+    heavy = (
+        "cv2 gmsh imagecodecs matplotlib meshio pydantic rich scipy tifffile typer fedic.calibration fedic.registration"
+    )
     code = f"import fedic, sys; print([name for name in {heavy.split()} if name in sys.modules])"
     outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert outcome.stdout.strip() == "[]"

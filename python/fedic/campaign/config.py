@@ -33,6 +33,7 @@ from fedic.cameras.poses import with_pose
 from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
+from fedic.io.images import image_stem, split_page
 from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
@@ -48,13 +49,15 @@ def _expanded(value: object, info: ValidationInfo) -> object:
     folder = in_folder(Path(), info)
     files: list[str] = []
     for name in names:
-        if not glob.has_magic(name) or in_folder(Path(name), info).exists():
+        pattern, page = split_page(in_folder(Path(name), info))
+        if not glob.has_magic(name) or pattern.exists():
             files.append(name)
             continue
-        matches = sorted(glob.glob(name, root_dir=folder))  # noqa: PTH207 - the pattern may be absolute
+        files_of_name = name if page is None else name.rpartition("#")[0]
+        matches = sorted(glob.glob(files_of_name, root_dir=folder))  # noqa: PTH207 - the pattern may be absolute
         if not matches:
             raise ValueError(f"should match a file: {name!r} matches none in {folder}")
-        files += matches
+        files += matches if page is None else [f"{match}#{page}" for match in matches]
     return files
 
 
@@ -220,8 +223,11 @@ def load_config(path: Path) -> Config:
 
 def _check_files(path: Path, config: Config) -> None:
     for key, image in (("reference", config.images.reference), *(("deformed", d) for d in config.images.deformed)):
-        if not image.is_file():
+        file, _ = split_page(image)
+        if not file.exists():
             raise ImageError(f"{path}: images.{key} names {image}, which does not exist.")
+        if not file.is_file():
+            raise ImageError(f"{path}: images.{key} names {image}, which is not a regular file.")
     mesh = config.mesh.file
     if mesh is not None and not mesh.is_file():
         raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
@@ -229,7 +235,7 @@ def _check_files(path: Path, config: Config) -> None:
         if not config.camera.file.is_file():
             raise CameraError(f"{path}: camera.file names {config.camera.file}, which does not exist.")
         config.camera.build()
-    stems = [image.stem for image in config.images.deformed]
+    stems = [image_stem(image) for image in config.images.deformed]
     twice = next((stem for stem in stems if stems.count(stem) > 1), None)
     if twice is not None:
         raise ConfigError(

@@ -15,7 +15,7 @@ from fedic.campaign.config import Config, OutputSection
 from fedic.correlation import Correlator
 from fedic.errors import ConvergenceWarning, FedicError, QualityWarning
 from fedic.io.atomic import make_folder, write_json
-from fedic.io.images import read_image
+from fedic.io.images import image_stem, read_image
 from fedic.plotting import plot_displacement, plot_mesh, plot_residual, save_figure
 from fedic.progress import ProgressCallback
 from fedic.results import Result
@@ -101,7 +101,7 @@ def measure_series(config: Config, *, progress: ProgressCallback | None = None) 
 
 def _measure(correlator: Correlator, path: Path, output: OutputSection, *, progress: ProgressCallback | None) -> Frame:
     start = time.perf_counter()
-    stem = output.folder / path.stem
+    stem = output.folder / image_stem(path)
     try:
         deformed = read_image(path, mapped=True)
         with warnings.catch_warnings():

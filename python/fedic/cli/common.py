@@ -69,6 +69,7 @@ def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bo
     FedicError
         If the picture cannot be written, is one of the images, or exists and `overwrite` is false.
     """
+    from fedic.io.images import split_page
     from fedic.plotting.png_files import check_picture_path
 
     if picture is None:
@@ -78,7 +79,8 @@ def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bo
         raise FedicError(f"{picture}: the folder {picture.parent} does not exist; make it first.")
     if not picture.exists():
         return
-    if any(image.exists() and picture.samefile(image) for image in images):
+    files = [split_page(image)[0] for image in images]
+    if any(file.exists() and picture.samefile(file) for file in files):
         raise FedicError(f"{picture}: the picture would replace an input image; give it another name.")
     if not overwrite:
         raise FedicError(f"{picture}: this file exists and was not changed; --overwrite replaces it by the picture.")
