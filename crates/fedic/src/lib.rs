@@ -29,7 +29,7 @@
 //! let (reference, deformed) = (image(0.0)?, image(0.4)?);
 //!
 //! let mesh = rectangle_mesh([20.0, 20.0, 80.0, 80.0], 20.0, CellType::Quad)?;
-//! let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame), Options::default())?;
+//! let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame::default()), Options::default())?;
 //! let solution = correlator.correlate(deformed.view(), Start::Zero)?;
 //! assert!(solution.converged);
 //! assert!(solution.displacement.iter().all(|u| (u[0] - 0.4).abs() < 1e-2 && u[1].abs() < 1e-2));
@@ -59,8 +59,8 @@ pub use error::self_calibration::SelfCalibrationError;
 pub use error::solve::SolveError;
 pub use fedic_camera::{
     BrownDistortion, Camera, CameraError, Distortion, FrontParallel, ImageFrame, InverseSplineDistortion, Lens,
-    Parameter, Parametric, Pinhole, Scaled, SplineDistortion, SplineField, for_each_lens, lens, rotation_from_vector,
-    unproject, unproject_aperture, unproject_with_jacobian,
+    Parameter, Parametric, Pinhole, Resizable, Scaled, SplineDistortion, SplineField, for_each_lens, lens,
+    rotation_from_vector, unproject, unproject_aperture, unproject_with_jacobian,
 };
 pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,
