@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 
 from fedic._internal.types import Floats
+from fedic._internal.warning_level import levels_within_fedic
 from fedic.errors import CalibrationWarning, CameraError
 
 __all__ = ["nearest_rotation"]
@@ -64,6 +65,6 @@ def nearest_rotation(where: str, matrix: Floats) -> Floats:
             f"{where} is a rotation to {deviation:.0e} only, and the nearest rotation is taken: copy it with more "
             "digits.",
             CalibrationWarning,
-            stacklevel=2,
+            stacklevel=levels_within_fedic(),
         )
     return nearest

@@ -19,6 +19,7 @@ __all__ = [
     "ImageFrameSection",
     "PinholeSection",
     "PixelCount",
+    "PixelIndex",
     "Rotation",
     "parse_camera",
     "rotation_argument",
@@ -39,6 +40,8 @@ Rotation: TypeAlias = Annotated[list[Any], BeforeValidator(_rotation)]
 """A rotation vector or matrix."""
 PixelCount: TypeAlias = Annotated[int, Field(strict=True, ge=1, lt=2**32)]
 """A number of pixels."""
+PixelIndex: TypeAlias = Annotated[int, Field(strict=True, ge=0, lt=2**32)]
+"""A column or row of an image."""
 ImageSize: TypeAlias = tuple[PixelCount, PixelCount] | None
 """Width and height of the images of a camera, if known."""
 

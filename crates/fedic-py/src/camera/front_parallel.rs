@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::methods::{camera_methods, parametric_camera_methods};
-use super::resizing::{size_repr, with_image_size};
+use super::resizing::{size_argument, with_image_size};
 use crate::errors::IntoPyErr;
 
 /// Fronto-parallel view without distortion: ``u = u0 + k X``, ``v = v0 - k Y`` (paper, eq. 18).
@@ -65,7 +65,7 @@ parametric_camera_methods!(FrontParallel {
     }
 
     fn __repr__(&self) -> String {
-        let (scale, origin, angle, size) = (self.scale(), self.origin(), self.angle(), size_repr(&self.0));
-        format!("FrontParallel(scale={scale}, origin={origin:?}, angle={angle}, image_size={size})")
+        let (scale, origin, angle, size) = (self.scale(), self.origin(), self.angle(), size_argument(&self.0));
+        format!("FrontParallel(scale={scale}, origin={origin:?}, angle={angle}{size})")
     }
 });

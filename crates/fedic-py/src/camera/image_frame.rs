@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::methods::camera_methods;
-use super::resizing::{size_repr, with_image_size};
+use super::resizing::{size_argument, with_image_size};
 use crate::errors::IntoPyErr;
 
 /// The camera of a mesh drawn in the pixels of an image: ``u = X``, ``v = Y``.
@@ -56,7 +56,10 @@ camera_methods!(ImageFrame {
     }
 
     fn __repr__(&self) -> String {
-        let size = size_repr(&self.0);
-        format!("ImageFrame(origin={:?}, scale={}, image_size={size})", self.origin(), self.scale())
+        if self.0 == fedic::ImageFrame::default() {
+            return "ImageFrame()".to_owned();
+        }
+        let (origin, scale, size) = (self.origin(), self.scale(), size_argument(&self.0));
+        format!("ImageFrame(origin={origin:?}, scale={scale}{size})")
     }
 });

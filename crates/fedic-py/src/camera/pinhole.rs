@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::methods::{camera_methods, parametric_camera_methods};
-use super::resizing::{size_repr, with_image_size};
+use super::resizing::{size_argument, with_image_size};
 use crate::arrays::{self, matrix, to_array};
 use crate::errors::{IntoPyErr, argument_error};
 use crate::lens::{any_lens, lens_object};
@@ -122,13 +122,13 @@ parametric_camera_methods!(Pinhole {
         };
         Ok(format!(
             "Pinhole(focal={:?}, principal_point={:?}, rotation={:?}, translation={:?}, skew_angle={}, \
-             distortion={lens}, image_size={})",
+             distortion={lens}{})",
             self.focal(),
             self.principal_point(),
             self.0.rotation(),
             self.translation(),
             self.skew_angle(),
-            size_repr(&self.0)
+            size_argument(&self.0)
         ))
     }
 });

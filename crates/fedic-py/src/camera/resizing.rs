@@ -37,7 +37,7 @@ pub(super) fn binned<C: Resizable>(camera: &C, n: &Bound<'_, PyAny>) -> PyResult
     camera.binned(pixels(n, "n")?).map_err(IntoPyErr::into_py_err)
 }
 
-/// A size of images as Python writes it.
-pub(super) fn size_repr(camera: &impl Resizable) -> String {
-    camera.image_size().map_or_else(|| "None".to_owned(), |[width, height]| format!("({width}, {height})"))
+/// The last argument of a constructor as Python writes it, after a comma; empty if the size of the images is not known.
+pub(super) fn size_argument(camera: &impl Resizable) -> String {
+    camera.image_size().map_or_else(String::new, |[width, height]| format!(", image_size=({width}, {height})"))
 }

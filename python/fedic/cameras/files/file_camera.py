@@ -16,7 +16,7 @@ class FileCamera:
     camera : Pinhole, FrontParallel or ImageFrame
         The camera, with the pose in the file, if any.
     missing_pose : str
-        For the second or a further camera of a file: what the file lacks of its pose relative to the first; empty if
+        For the second or a further camera of a file: a sentence on what the file lacks of its pose; empty if
         the pose is there.
     """
 

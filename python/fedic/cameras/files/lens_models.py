@@ -34,8 +34,8 @@ def check_lens_model(path: Path, key: str, name: str) -> None:
     """
     if _plain(name) not in {"", *map(_plain, _BROWN)}:
         raise CameraError(
-            f"{path}: {key} = {name!r}: this lens model is not supported; those of Brown are ({', '.join(_BROWN)}). "
-            "Calibrate again as a pinhole camera with radial and tangential coefficients."
+            f"{path}: {key}: the lens model {name!r} is not supported; those that are Brown's: {', '.join(_BROWN)}. "
+            "Calibrate as a pinhole camera with radial and tangential coefficients."
         )
 
 
@@ -43,8 +43,8 @@ def check_projection(path: Path, key: str, name: str) -> None:
     """Check that a projection, in any spelling, is that of a pinhole; parameters and errors as `check_lens_model`."""
     if _plain(name) not in {"", *_PINHOLE}:
         raise CameraError(
-            f"{path}: {key} = {name!r}: this projection is not supported, only that of a pinhole; calibrate again as a "
-            f"pinhole camera. (If it is the name of the camera, leave the line out.)"
+            f"{path}: {key}: the projection {name!r} is not supported, only that of a pinhole; calibrate as a pinhole "
+            "camera. (If it is the name of the camera, leave the line out.)"
         )
 
 

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fedic._core import Pinhole
+from fedic._internal.types import Floats
 from fedic.cameras.files.file_camera import FileCamera
 from fedic.cameras.files.lens_models import check_lens_model, check_projection
 from fedic.cameras.files.matrices import camera_from_matrices
@@ -33,11 +35,12 @@ def kalibr_camera(path: Path, document: dict[str, Tree], number: int) -> FileCam
     if not isinstance(document.get(name), dict):
         names = [key for key in document if key.startswith("cam")]
         raise CameraError(f"{path}: there is no camera {number}; the chain holds {', '.join(names)}.")
-    pose, missing = np.eye(4), ""
+    pose: Floats = np.eye(4)
+    missing = ""
     for index in range(1, number + 1):
         link = document.get(f"cam{index}", {})
         if not isinstance(link, dict) or "T_cn_cnm1" not in link:
-            missing = f"T_cn_cnm1 of cam{index}"
+            missing = f"T_cn_cnm1 of cam{index}, part of the pose of camera {number}, is missing."
             break
         step = numbers(path, f"cam{index}.T_cn_cnm1", link["T_cn_cnm1"], 16).reshape(4, 4)
         pose = step @ pose
@@ -53,7 +56,7 @@ def euroc_camera(path: Path, document: dict[str, Tree], number: int) -> FileCame
     return FileCamera(_camera(path, "", document, "distortion_coefficients", np.eye(4)))
 
 
-def _camera(path: Path, prefix: str, tree: dict[str, Tree], lens: str, pose: np.ndarray) -> object:  # type: ignore[type-arg]
+def _camera(path: Path, prefix: str, tree: dict[str, Tree], lens: str, pose: Floats) -> Pinhole:
     check_projection(path, f"{prefix}camera_model", text_of(tree.get("camera_model", "")))
     check_lens_model(path, f"{prefix}distortion_model", text_of(tree.get("distortion_model", "")))
     fx, fy, cx, cy = numbers(path, f"{prefix}intrinsics", tree.get("intrinsics", []), 4)

@@ -76,7 +76,12 @@ def opencv_camera(path: Path, tree: dict[str, Tree], number: int) -> FileCamera:
         found.get("translation"),
         size_of_image(path, tree),
     )
-    return FileCamera(camera, f"R and T (the {' and the '.join(missing)} are missing)" if missing else "")
+    sentence = (
+        f"the {' and the '.join(missing)} of camera {number} relative to the first (R, T) are missing: a second camera "
+        "without them would be where the first is. OpenCV's stereo programs write them into another file, "
+        "extrinsics.yml: copy them from there."
+    )
+    return FileCamera(camera, sentence if missing else "")
 
 
 def size_of_image(path: Path, tree: dict[str, Tree]) -> tuple[int, int] | None:
@@ -103,7 +108,9 @@ def _check_models(path: Path, tree: dict[str, Tree]) -> None:
         elif key in _PROJECTIONS:
             check_projection(path, key, text_of(value))
         elif "fisheye" in key.lower() and text_of(value).lower() not in ("", "0", "0.0", "0.", "false", "none"):
-            raise CameraError(f"{path}: {key} = {text_of(value)}: a fisheye lens is not supported; calibrate as a pinhole.")
+            raise CameraError(
+                f"{path}: {key} = {text_of(value)}: a fisheye lens is not supported; calibrate as a pinhole."
+            )
 
 
 def _keys_of(path: Path, names: list[str], number: int) -> dict[str, str]:

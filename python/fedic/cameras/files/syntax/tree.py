@@ -49,6 +49,8 @@ def numbers(path: Path, key: str, tree: Tree, size: int | None = None) -> Floats
             found = np.array([float(word) for word in _words(tree)], dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise CameraError(f"{path}: {key} does not hold numbers.") from None
+    if size is not None and size > 1 and found.size == 1:
+        raise CameraError(f"{path}: {key} is not a matrix or list of {size} numbers.")
     if size is not None and found.size != size:
         raise CameraError(f"{path}: {key} holds {found.size} numbers instead of {size}; is the file truncated?")
     if not np.isfinite(found).all():

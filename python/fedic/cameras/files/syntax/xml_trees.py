@@ -39,9 +39,13 @@ def read_xml(path: Path) -> Element:
         parser.feed(read_text(path, LARGEST_FILE, CameraError))
         root: Element = parser.close()
     except ParseError as error:
-        raise CameraError(f"{path}: this file is truncated, or of another format: as XML it is wrong ({error}).") from None
+        raise CameraError(
+            f"{path}: this file is truncated, or of another format: as XML it is wrong ({error})."
+        ) from None
     except DefusedXmlException as error:
-        raise CameraError(f"{path}: this file defines entities or refers to others, which is refused ({error}).") from None
+        raise CameraError(
+            f"{path}: this file defines entities or refers to others, which is refused ({error})."
+        ) from None
     return root
 
 
@@ -67,7 +71,7 @@ class _LimitedBuilder(TreeBuilder):
         self._path = path
         self._depth = self._count = 0
 
-    def start(self, tag: str, attributes: dict[str, str]) -> Element:  # type: ignore[override]
+    def start(self, tag: str, attributes: dict[str, str]) -> Element:
         self._depth += 1
         self._count += 1
         if self._depth > _DEEPEST or self._count > _MOST_ELEMENTS:

@@ -1,0 +1,81 @@
+"""Camera files of other programs, written by their conventions from one pair of cameras."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes.camera_files import FILES, CameraFile, caldat, dice, project
+
+import fedic
+
+X, Y = np.meshgrid(np.linspace(-0.25, 0.25, 5), np.linspace(-0.2, 0.2, 5))
+RAYS = 900.0 * np.column_stack([X.ravel(), Y.ravel(), np.ones(X.size)])
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.program)
+def test_each_program_gives_the_same_camera_or_is_refused_by_name(file: CameraFile, tmp_path: Path) -> None:
+    pytest.importorskip({"SciPy": "scipy", "h5py": "h5py"}.get(file.by, "numpy"))
+    path = file.make(tmp_path)
+    if isinstance(file.expected, str):
+        with pytest.raises(fedic.CameraError, match=file.expected) as caught:
+            fedic.read_camera(path, number=file.number)
+        assert str(caught.value).startswith(str(path))
+        return
+    found = fedic.read_camera(path, number=file.number)
+    assert isinstance(found, fedic.Pinhole)
+    points = (RAYS - file.expected.translation) @ file.expected.rotation
+    np.testing.assert_allclose(found.project(points), file.expected.project(points), rtol=0, atol=1e-6)
+    assert found.image_size == file.expected.image_size
+
+
+@pytest.mark.parametrize(
+    "file",
+    [each for each in FILES if each.number == 1 and not isinstance(each.expected, str)],
+    ids=lambda each: each.program,
+)
+def test_the_first_of_two_cameras_is_the_world_and_a_third_is_refused(file: CameraFile, tmp_path: Path) -> None:
+    path = file.make(tmp_path)
+    first = fedic.read_camera(path)
+    assert isinstance(first, fedic.Pinhole)
+    np.testing.assert_array_equal(first.rotation, np.eye(3))
+    assert first.translation == (0.0, 0.0, 0.0)
+    for number in (2, -1, 7):
+        with pytest.raises(fedic.CameraError, match=rf"no camera (matrix of camera )?{number}"):
+            fedic.read_camera(path, number=number)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.caldat", caldat(length="m"), r"Tx is in \[m\]; fedic reads it in mm"),
+        ("a.caldat", caldat().replace("Fx [pixels]", "Fx [mm]"), r"Cam1_Fx is in \[mm\]; fedic reads it in px"),
+        ("a.caldat", caldat().replace("318.25", "318,25"), "has a comma and .* a point; which one"),
+        ("a.caldat", caldat().replace("1200.0", "1.200,0"), "'1.200,0' is not a number"),
+        ("a.caldat", caldat() + "Tx [mm];3\n", "Tx is there twice"),
+        ("a.xml", dice().replace('name="K1"', 'name="K4"'), "has k4 = -0.12"),
+        ("a.xml", dice("K1R2_K2R4_K3R6"), "K1R2_K2R4_K3R6 is not supported"),
+        ("a.xml", dice(""), "coefficients of a lens, but no LENS_DISTORTION_MODEL"),
+        ("a.xml", dice().replace('name="P1"', 'name="FS"'), "FS = 0.0011: DICe says"),
+        ("a.xml", project().replace(" 0 -0.12", " -0.12"), "camera 0 holds 7 numbers instead of 8"),
+        ("a.xml", "<html/>", "the root is <html>; fedic reads <opencv_storage>"),
+        ("a.txt", "1.0\n2.0\n", "2 numbers; a text file of DICe has 24"),
+    ],
+)  # fmt: skip
+def test_other_units_models_and_shapes_are_refused(name: str, content: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(content)
+    with pytest.raises(fedic.CameraError, match=message):
+        fedic.read_camera(tmp_path / name)
+
+
+def test_the_pose_of_a_second_camera_may_come_from_the_configuration(tmp_path: Path) -> None:
+    from fedic.campaign.config import CameraFileSection
+
+    file = next(each for each in FILES if each.program == "OpenCV stereo without R, T")
+    path = file.make(tmp_path)
+    section = CameraFileSection(file=path, number=1, rotation=[0.0, 0.1, 0.0], translation=(1.0, 2.0, 3.0))
+    camera = section.build()
+    assert isinstance(camera, fedic.Pinhole)
+    assert camera.translation == (1.0, 2.0, 3.0)
+    with pytest.raises(fedic.CameraError, match=re.escape(f"{path}: the rotation and the translation of camera 1")):
+        CameraFileSection(file=path, number=1, rotation=[0.0, 0.1, 0.0]).build()
