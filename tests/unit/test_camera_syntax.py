@@ -61,6 +61,7 @@ def test_every_encoding_of_windows_is_read(name: str, encoding: str, tmp_path: P
         ("a.toml", "a = " + "[" * 2000, "nested more than 32 deep"),
         ("a.toml", "a = " + "[" * 40 + "]" * 40, "a is nested more than 32 deep"),
         ("a.toml", ".".join("a" * 5000) + " = 1", "a dotted key has more than 32 parts"),
+        ("a.toml", " . ".join(["'a,b'", '"c"'] * 5000) + " = 1", "a dotted key has more than 32 parts"),
         ("a.toml", "model = 'front-parallel'\nscale = " + "1" * 5000, "a number cannot be read"),
         ("a.toml", "model = 'front-parallel'\nscale = " + "1" * 400, "scale holds an integer of more than 64 bits"),
         (

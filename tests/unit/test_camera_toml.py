@@ -41,7 +41,8 @@ def test_any_note_is_read_back(notes: dict[str, object], tmp_path_factory: pytes
 
 
 @pytest.mark.parametrize(
-    "name", ["im\n5.toml", 'a"b.toml', "a\tb.toml", "x\x7f[red].toml", "\u202eabc.toml", "caf\u00e9.toml"]
+    "name",
+    ["im\n5.toml", 'a"b.toml', "a\tb.toml", "x\x7f[red].toml", "\u202eabc.toml", "caf\u00e9.toml", f"{'a.' * 60}toml"],
 )
 def test_any_name_of_the_file_is_harmless(name: str, tmp_path: Path) -> None:
     path = fedic.write_camera(CAMERA, tmp_path / name, notes={"pose_of": name, "good": True, "odd key": np.float64(2)})

@@ -63,8 +63,9 @@ def outcome(file: CameraFile, folder: Path) -> str:
     if isinstance(file.expected, str):
         reason = _reason(file, path)
         assert reason.startswith(f"{path}: "), reason
-        assert re.search(file.expected, reason), f"{file.program}: {reason}"
-        return f"refused: {re.split('[:;.] ', reason.removeprefix(f'{path}: '))[0]}"
+        match = re.search(file.expected, reason)
+        assert match is not None, f"{file.program}: {reason}"
+        return f"refused: {match[0]}"
     found = fedic.read_camera(path, number=file.number)
     assert isinstance(found, fedic.Pinhole)
     points = (_RAYS - file.expected.translation) @ file.expected.rotation

@@ -68,9 +68,11 @@ STEREO = {
 FILES = [
     CameraFile("MATLAB toStruct, version 5", "a.mat", matlab(matlab_struct()), truth(k3=K3), _MATLAB, "fedic"),
     CameraFile(
-        "MATLAB toStruct with K", "a.mat", matlab({"s": matlab_struct(with_k=True)}), truth(k3=K3), _MATLAB, "SciPy"
+        "MATLAB toStruct with K", "a.mat", matlab({"s": matlab_struct(with_k=True)}), truth(k3=K3), _MATLAB, "fedic"
     ),
     CameraFile("MATLAB toStruct, version 7.3", "a.mat", matlab_73(matlab_struct()), truth(k3=K3), _MATLAB, "h5py"),
     CameraFile("MATLAB stereo", "a.mat", matlab(STEREO), truth(second=True, k3=K3), "X_1 = R' X_0 + T", "fedic", 1),
-    CameraFile("MATLAB object", "a.mat", matlab_73({}, is_object=True), r"toStruct\(cameraParams\)", "", "h5py"),
+    CameraFile(
+        "MATLAB object", "a.mat", matlab_73({}, is_object=True), "An object of MATLAB cannot be read", "", "h5py"
+    ),
 ]
