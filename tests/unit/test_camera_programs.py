@@ -10,6 +10,7 @@ import fedic
 from scenes.camera_files import FILES
 from scenes.camera_files.camera_file import CameraFile, outcome
 from scenes.camera_files.image_correlation import caldat, dice, project
+from scenes.camera_files.matlab import matlab_struct
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.program)
@@ -49,6 +50,7 @@ def test_the_first_of_two_cameras_is_the_world_and_a_third_is_refused(file: Came
         ("a.xml", project().replace(" 0 -0.12", " -0.12"), "camera 0 holds 7 numbers instead of 8"),
         ("a.xml", "<html/>", "the root is <html>; fedic reads <opencv_storage>"),
         ("a.txt", "1.0\n2.0\n", "2 numbers; a text file of DICe has 24"),
+        ("a.txt", "1.0\n2.0\n" * 12, "camera 0, FS = 1: DICe says"),
     ],
 )  # fmt: skip
 def test_other_units_models_and_shapes_are_refused(name: str, content: str, message: str, tmp_path: Path) -> None:
@@ -68,3 +70,34 @@ def test_the_pose_of_a_second_camera_may_come_from_the_configuration(tmp_path: P
     assert camera.translation == (1.0, 2.0, 3.0)
     with pytest.raises(fedic.CameraError, match=re.escape(f"{path}: the rotation and the translation of camera 1")):
         CameraFileSection(file=path, number=1, rotation=[0.0, 0.1, 0.0]).build()
+
+
+def test_a_struct_of_two_cameras_without_a_matrix_is_refused(tmp_path: Path) -> None:
+    savemat = pytest.importorskip("scipy.io").savemat
+    savemat(tmp_path / "a.mat", {"CameraParameters1": {"RadialDistortion": np.zeros((1, 2))}})
+    with pytest.raises(fedic.CameraError, match="FocalLength holds 0 numbers instead of 2"):
+        fedic.read_camera(tmp_path / "a.mat")
+    savemat(
+        tmp_path / "a.mat",
+        {"K": np.eye(3), "RadialDistortion": np.zeros((1, 2)), "many": np.zeros((200, 200)), "c": 1j},
+    )
+    with pytest.raises(fedic.CameraError, match=r"there is no camera 1; the file holds one"):
+        fedic.read_camera(tmp_path / "a.mat", number=1)
+    savemat(tmp_path / "a.mat", {"name": "text", "K": np.eye(3)})
+    with pytest.raises(fedic.CameraError, match=r"no camera parameters: .* An object of MATLAB cannot be read"):
+        fedic.read_camera(tmp_path / "a.mat")
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_matlab_files_of_both_compressions_are_read(compressed: bool, tmp_path: Path) -> None:
+    savemat = pytest.importorskip("scipy.io").savemat
+    struct = matlab_struct() | {
+        "ImageSize": np.array([[480, 640]], dtype=np.uint16),
+        "ab": "text",
+        "cell": np.array([{}]),
+    }
+    savemat(tmp_path / "a.mat", {"p": struct}, do_compression=compressed, oned_as="row")
+    camera = fedic.read_camera(tmp_path / "a.mat")
+    assert camera.image_size == (640, 480)
+    assert isinstance(camera, fedic.Pinhole)
+    assert camera.focal == (1200.0, 1195.0)

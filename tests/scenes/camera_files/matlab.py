@@ -65,7 +65,24 @@ STEREO = {
     "TranslationOfCamera2": np.array([SHIFT]),
 }
 
+BOUGUET = {
+    "fc": np.array([[FX], [FY]]),
+    "cc": np.array([[CX], [CY]]),
+    "kc": np.array([[K1], [K2], [P1], [P2], [K3]]),
+    "alpha_c": 0.0,
+    "nx": 640,
+    "ny": 480,
+}
+
 FILES = [
+    CameraFile(
+        "Bouguet's toolbox",
+        "Calib_Results.mat",
+        matlab(BOUGUET),
+        truth(k3=K3),
+        "px, first pixel centre (0, 0); k1 k2 p1 p2 k3",
+        "fedic",
+    ),
     CameraFile("MATLAB toStruct, version 5", "a.mat", matlab(matlab_struct()), truth(k3=K3), _MATLAB, "fedic"),
     CameraFile(
         "MATLAB toStruct with K", "a.mat", matlab({"s": matlab_struct(with_k=True)}), truth(k3=K3), _MATLAB, "fedic"

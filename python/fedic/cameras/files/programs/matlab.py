@@ -1,4 +1,4 @@
-"""Cameras of MATLAB: a struct of ``toStruct(cameraParameters)`` in a ``.mat`` file."""
+"""Cameras of MATLAB: a struct of ``toStruct(cameraParameters)``, or Bouguet's toolbox, in a ``.mat`` file."""
 
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,9 @@ __all__ = ["read_matlab"]
 
 _ADVICE = "save a struct: s = toStruct(cameraParams); save('camera.mat', '-struct', 's')"
 
+_BOUGUET = ("fc", "cc", "kc")
+"""Names in the files of Bouguet's calibration toolbox: focal lengths, principal point, k1 k2 p1 p2 k3."""
+
 
 def read_matlab(path: Path, number: int) -> FileCamera:
     """Read a camera.
@@ -24,10 +27,12 @@ def read_matlab(path: Path, number: int) -> FileCamera:
     Its first pixel is (1, 1). The world is the frame of the camera, or of the first of two.
     """
     content = read_mat(path)
+    if all(name in content for name in _BOUGUET):
+        return _of_bouguet(path, content, number)
     found = _parameters(content)
     if found is None:
         raise CameraError(
-            f"{path}: no camera parameters: neither IntrinsicMatrix nor K nor FocalLength; the file holds "
+            f"{path}: no camera parameters: no RadialDistortion beside a matrix (IntrinsicMatrix, K); it holds "
             f"{', '.join(content) or 'nothing fedic can read'}. An object of MATLAB cannot be read: {_ADVICE}."
         )
     if "CameraParameters1" not in found:
@@ -49,9 +54,21 @@ def read_matlab(path: Path, number: int) -> FileCamera:
 
 def _parameters(content: dict[str, Tree]) -> dict[str, Tree] | None:
     """Return the struct of a camera or of two, at the top or one below."""
-    names = ("IntrinsicMatrix", "K", "FocalLength", "CameraParameters1")
+    names = ("RadialDistortion", "CameraParameters1")
     structs = [content, *(value for value in content.values() if isinstance(value, dict))]
     return next((struct for struct in structs if any(name in struct for name in names)), None)
+
+
+def _of_bouguet(path: Path, content: dict[str, Tree], number: int) -> FileCamera:
+    """Return the camera of ``Calib_Results.mat``, whose first pixel is (0, 0) and whose lens is OpenCV's."""
+    if number != 0:
+        raise CameraError(f"{path}: there is no camera {number}; the file holds one, number 0.")
+    (fx, fy), (cx, cy) = (numbers(path, name, content[name], 2) for name in ("fc", "cc"))
+    skew = fx * numbers(path, "alpha_c", content.get("alpha_c", 0.0), 1)[0]
+    size = [numbers(path, name, content[name], 1)[0] for name in ("nx", "ny") if name in content]
+    matrix = np.array([[fx, skew, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+    image_size = (int(size[0]), int(size[1])) if len(size) == 2 and min(size) >= 1 else None
+    return FileCamera(camera_from_matrices(path, ("fc", matrix), ("kc", content["kc"]), image_size=image_size))
 
 
 def _camera(path: Path, struct: dict[str, Tree], **pose: tuple[str, Tree]) -> Any:
@@ -75,7 +92,7 @@ def _matrix(path: Path, struct: dict[str, Tree]) -> tuple[str, Floats]:
         return "K", numbers(path, "K", struct["K"], 9).reshape(3, 3).copy()
     if "IntrinsicMatrix" in struct:
         return "IntrinsicMatrix", numbers(path, "IntrinsicMatrix", struct["IntrinsicMatrix"], 9).reshape(3, 3).T.copy()
-    fx, fy = numbers(path, "FocalLength", struct["FocalLength"], 2)
+    fx, fy = numbers(path, "FocalLength", struct.get("FocalLength", []), 2)
     cx, cy = numbers(path, "PrincipalPoint", struct.get("PrincipalPoint", []), 2)
     skew = numbers(path, "Skew", struct.get("Skew", 0.0), 1)[0]
     return "FocalLength", np.array([[fx, skew, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])

@@ -47,7 +47,7 @@ def read_mat(path: Path) -> dict[str, Tree]:
     except Exception as error:  # h5py raises errors of many types for damaged files
         raise CameraError(
             f"{path}: this file cannot be read: truncated, or not a .mat file of version 5 or later "
-            f"({error or type(error).__name__})."
+            f"({str(error) or type(error).__name__})."
         ) from None
 
 
