@@ -63,7 +63,7 @@ fn the_zero_vector_does_not_rotate() {
 
 #[test]
 fn u_points_right_and_v_points_down() {
-    assert_eq!(ImageFrame::default().project([3.0, 4.0, 9.0]), [3.0, 4.0]);
+    assert_eq!(ImageFrame.project([3.0, 4.0, 9.0]), [3.0, 4.0]);
     let camera = FrontParallel::new(10.0, [100.0, 200.0]).unwrap();
     assert_eq!(camera.project([1.0, 2.0, 9.0]), [110.0, 180.0]);
     assert_eq!((camera.scale(), camera.origin()), (10.0, [100.0, 200.0]));

@@ -53,7 +53,7 @@ proptest! {
 
 #[test]
 fn regions_outside_the_image_and_empty_images_are_refused() {
-    let camera = ImageFrame::default().with_image_size(Some([640, 480])).unwrap();
+    let camera = ImageFrame.with_image_size(Some([640, 480])).unwrap();
     assert!(camera.cropped([540, 400], [100, 80]).is_ok());
     assert_eq!(
         camera.cropped([541, 400], [100, 80]),

@@ -17,7 +17,7 @@ use crate::rendering::Rendering;
 /// use fedic_camera::ImageFrame;
 /// use fedic_synthetic::{Plane, Render, Sensor, Speckle, SyntheticError};
 ///
-/// let rendering = Render::new(&ImageFrame::default(), [40, 30]).plane(&Plane::horizontal(0.0)?, &Speckle::new(5.0, 0.5, 1)?)?;
+/// let rendering = Render::new(&ImageFrame, [40, 30]).plane(&Plane::horizontal(0.0)?, &Speckle::new(5.0, 0.5, 1)?)?;
 /// let image = Sensor::default().with_noise(2.0, 7).with_bits(8).expose(&rendering)?;
 /// assert!(image.pixels().iter().all(|&grey| grey == grey.round() && (0.0..=255.0).contains(&grey)));
 /// # Ok::<(), SyntheticError>(())

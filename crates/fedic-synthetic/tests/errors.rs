@@ -28,19 +28,19 @@ fn speckle_parameters_out_of_range_are_refused() {
 #[test]
 fn render_options_out_of_range_are_refused() {
     for (render, text) in [
-        (Render::new(&ImageFrame::default(), [0, 5]), "width must be at least 1, got 0"),
-        (Render::new(&ImageFrame::default(), [5, 0]), "height must be at least 1, got 0"),
-        (Render::new(&ImageFrame::default(), [5, 5]).with_samples(0), "samples must be at least 1, got 0"),
+        (Render::new(&ImageFrame, [0, 5]), "width must be at least 1, got 0"),
+        (Render::new(&ImageFrame, [5, 0]), "height must be at least 1, got 0"),
+        (Render::new(&ImageFrame, [5, 5]).with_samples(0), "samples must be at least 1, got 0"),
     ] {
         assert_eq!(render.plane(&horizontal(), &flat).unwrap_err().to_string(), text);
     }
-    let huge = Render::new(&ImageFrame::default(), [1 << 31, 1]).with_samples(1 << 20);
+    let huge = Render::new(&ImageFrame, [1 << 31, 1]).with_samples(1 << 20);
     assert!(matches!(huge.plane(&horizontal(), &flat), Err(SyntheticError::TooLarge { .. })));
 }
 
 #[test]
 fn sensor_options_out_of_range_are_refused() {
-    let rendering = Render::new(&ImageFrame::default(), [5, 5]).plane(&horizontal(), &flat).unwrap();
+    let rendering = Render::new(&ImageFrame, [5, 5]).plane(&horizontal(), &flat).unwrap();
     let text = |sensor: Sensor| sensor.expose(&rendering).unwrap_err().to_string();
     assert_eq!(text(Sensor::default().with_noise(-1.0, 0)), "noise must be finite and at least 0, got -1");
     assert_eq!(text(Sensor::default().with_noise(f64::NAN, 0)), "noise must be finite and at least 0, got NaN");
@@ -83,7 +83,7 @@ fn pixels_that_do_not_see_the_plane_are_located() {
 
 #[test]
 fn displacements_that_cannot_be_inverted_are_refused() {
-    let render = Render::new(&ImageFrame::default(), [20, 20]);
+    let render = Render::new(&ImageFrame, [20, 20]);
     let folding = |[x, y, _]: [f64; 3]| [1.5 * x, -2.0 * y, 0.0];
     let error = render.displaced_plane(&horizontal(), &flat, &folding).unwrap_err();
     assert!(matches!(error, SyntheticError::NotInvertible { iterations: 60, step, .. } if step > 1.0), "{error}");
@@ -95,7 +95,6 @@ fn displacements_that_cannot_be_inverted_are_refused() {
 #[test]
 fn rendering_stops_when_the_caller_says_so() {
     let stop = |fraction: f64| fraction < 0.5;
-    let error =
-        Render::new(&ImageFrame::default(), [400, 400]).with_progress(&stop).plane(&horizontal(), &flat).unwrap_err();
+    let error = Render::new(&ImageFrame, [400, 400]).with_progress(&stop).plane(&horizontal(), &flat).unwrap_err();
     assert!(matches!(error, SyntheticError::Cancelled), "{error}");
 }

@@ -42,7 +42,7 @@ fn run(reference: &str, deformed: &str, size: f64) -> Result<(), Box<dyn Error>>
 
     let pixels = f.as_raw().iter().copied().map(f32::from).collect();
     let reference = Image::new(f.width() as usize, f.height() as usize, pixels)?;
-    let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame::default()), Options::default())?;
+    let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame), Options::default())?;
     let solution = correlator.correlate(view(&g)?, Start::Pyramid)?;
 
     println!(

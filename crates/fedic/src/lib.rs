@@ -29,7 +29,7 @@
 //! let (reference, deformed) = (image(0.0)?, image(0.4)?);
 //!
 //! let mesh = rectangle_mesh([20.0, 20.0, 80.0, 80.0], 20.0, CellType::Quad)?;
-//! let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame::default()), Options::default())?;
+//! let correlator = Correlator::new(Arc::new(reference), &mesh, Arc::new(ImageFrame), Options::default())?;
 //! let solution = correlator.correlate(deformed.view(), Start::Zero)?;
 //! assert!(solution.converged);
 //! assert!(solution.displacement.iter().all(|u| (u[0] - 0.4).abs() < 1e-2 && u[1].abs() < 1e-2));

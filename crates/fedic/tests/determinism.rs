@@ -23,15 +23,14 @@ fn solve(images: &[Image; 2], options: &Options, num_threads: Option<usize>) -> 
     // More cells than one thread processes at a time.
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
     let options = options.clone().num_threads(num_threads);
-    let correlator =
-        Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame::default()), options).unwrap();
+    let correlator = Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame), options).unwrap();
     correlator.correlate(images[1].view(), Start::Pyramid).unwrap()
 }
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let motion = Motion { gradient: [[1.01, 0.003], [-0.004, 0.995]], shift: [3.3, -2.6], centre: [100.0; 2] };
-    let images = render(&ImageFrame::default(), [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), motion);
+    let images = render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), motion);
     let mesh_rule = |rule| Quadrature::Mesh { rule, density: 1.0 };
     for quadrature in [mesh_rule(Rule::Rotated), mesh_rule(Rule::Diameter), Quadrature::Pixel] {
         for (brightness, hessian) in [(Brightness::Global, Hessian::Initial), (Brightness::Element, Hessian::Updated)] {
@@ -49,12 +48,11 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn standard_deviations_do_not_depend_on_the_number_of_threads() {
     let [reference, _] =
-        render(&ImageFrame::default(), [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), Motion::translation([0.0; 2]));
+        render(&ImageFrame, [200, 200], Speckle::new(5.0, 0.5, 3).unwrap(), Motion::translation([0.0; 2]));
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
     let deviations = |num_threads| -> Vec<u64> {
         let options = Options::default().smoothing(0.8).num_threads(num_threads);
-        let correlator =
-            Correlator::new(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame::default()), options).unwrap();
+        let correlator = Correlator::new(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), options).unwrap();
         let found = correlator.standard_deviations(2.0, None).unwrap();
         found.as_flattened().iter().map(|deviation| deviation.to_bits()).collect()
     };
@@ -67,13 +65,11 @@ fn standard_deviations_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn results_do_not_depend_on_earlier_frames() {
     let speckle = Speckle::new(5.0, 0.5, 3).unwrap();
-    let [reference, first] = render(&ImageFrame::default(), [200, 200], speckle, Motion::translation([2.3, -1.6]));
-    let [_, second] = render(&ImageFrame::default(), [200, 200], speckle, Motion::translation([-0.7, 1.2]));
+    let [reference, first] = render(&ImageFrame, [200, 200], speckle, Motion::translation([2.3, -1.6]));
+    let [_, second] = render(&ImageFrame, [200, 200], speckle, Motion::translation([-0.7, 1.2]));
     let mesh = mixed_mesh([20.3, 18.7], 20, 8.0);
-    let correlator = || {
-        Correlator::new(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame::default()), Options::default())
-            .unwrap()
-    };
+    let correlator =
+        || Correlator::new(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), Options::default()).unwrap();
     let solve =
         |correlator: &Correlator, image: &Image| bits(&correlator.correlate(image.view(), Start::Zero).unwrap());
     let used = correlator();

@@ -15,7 +15,7 @@ use fedic::{
 use fedic_synthetic::Speckle;
 
 fn images() -> [Image; 2] {
-    render(&ImageFrame::default(), [90, 80], Speckle::new(5.0, 0.5, 4).unwrap(), Motion::translation([0.3, 0.2]))
+    render(&ImageFrame, [90, 80], Speckle::new(5.0, 0.5, 4).unwrap(), Motion::translation([0.3, 0.2]))
 }
 
 fn flat(grey: f32) -> Image {
@@ -31,7 +31,7 @@ fn inner_mesh() -> Mesh {
 }
 
 fn prepare(reference: &Image, mesh: &Mesh, options: Options) -> Result<Correlator, Error> {
-    Correlator::new(Arc::new(reference.clone()), mesh, Arc::new(ImageFrame::default()), options)
+    Correlator::new(Arc::new(reference.clone()), mesh, Arc::new(ImageFrame), options)
 }
 
 fn refused(result: Result<Correlator, Error>) -> Error {
@@ -288,14 +288,7 @@ fn a_monitor_cancels_every_stage() {
     let prepare = |monitor: &dyn Monitor| {
         // Without smoothing no pass prepares its correction for the deformation.
         let options = Options::default().smoothing(0.0);
-        Correlator::new_with(
-            Arc::new(reference.clone()),
-            &mesh,
-            Arc::new(ImageFrame::default()),
-            options,
-            None,
-            monitor,
-        )
+        Correlator::new_with(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), options, None, monitor)
     };
     for patience in [0, cells / 2] {
         let monitor = Impatient::new(patience);

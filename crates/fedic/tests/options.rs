@@ -13,7 +13,7 @@ fn prepare(options: Options) -> Result<(), Error> {
     let greys = (0..900).map(|k| ((k * 37) % 251) as f32).collect();
     let image = Image::new(30, 30, greys).unwrap();
     let mesh = rectangle_mesh([5.0, 5.0, 25.0, 25.0], 10.0, CellType::Quad).unwrap();
-    Correlator::new(Arc::new(image.clone()), &mesh, Arc::new(ImageFrame::default()), options).map(|_| ())
+    Correlator::new(Arc::new(image.clone()), &mesh, Arc::new(ImageFrame), options).map(|_| ())
 }
 
 #[test]

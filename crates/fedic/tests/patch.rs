@@ -49,7 +49,7 @@ fn accepted(cell: CellType) -> f64 {
 }
 
 fn check_in_image_frame(motion: Motion) {
-    let camera: Arc<dyn Camera> = Arc::new(ImageFrame::default());
+    let camera: Arc<dyn Camera> = Arc::new(ImageFrame);
     let images = render(camera.as_ref(), [150, 130], Speckle::new(5.5, 0.5, 11).unwrap(), motion);
     for cell in CellType::ALL {
         let mesh = warped_mesh([14.3, 15.6, 133.7, 114.2], 20.0, cell, 2.0);

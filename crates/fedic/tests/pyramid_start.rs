@@ -13,11 +13,10 @@ use fedic_synthetic::Speckle;
 #[test]
 fn the_pyramid_converges_where_the_zero_start_fails() {
     let motion = Motion { gradient: [[1.02, 0.0], [0.0, 0.994]], shift: [13.0, -7.5], centre: [120.0; 2] };
-    let images = render(&ImageFrame::default(), [240, 240], Speckle::new(5.0, 0.5, 8).unwrap(), motion);
+    let images = render(&ImageFrame, [240, 240], Speckle::new(5.0, 0.5, 8).unwrap(), motion);
     let mesh = mixed_mesh([32.4, 33.1], 8, 21.0);
     let correlator =
-        Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame::default()), Options::default())
-            .unwrap();
+        Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame), Options::default()).unwrap();
 
     let coarse_to_fine = correlator.correlate(images[1].view(), Start::Pyramid).unwrap();
     assert!(coarse_to_fine.converged);
@@ -45,11 +44,10 @@ fn the_pyramid_converges_where_the_zero_start_fails() {
 #[test]
 fn a_mesh_too_small_for_a_pyramid_starts_from_zero() {
     let motion = Motion::translation([0.4, 0.3]);
-    let images = render(&ImageFrame::default(), [80, 80], Speckle::new(5.0, 0.5, 8).unwrap(), motion);
+    let images = render(&ImageFrame, [80, 80], Speckle::new(5.0, 0.5, 8).unwrap(), motion);
     let mesh = mixed_mesh([30.2, 30.4], 1, 11.0);
     let correlator =
-        Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame::default()), Options::default())
-            .unwrap();
+        Correlator::new(Arc::new(images[0].clone()), &mesh, Arc::new(ImageFrame), Options::default()).unwrap();
     let start = |start| correlator.correlate(images[1].view(), start).unwrap();
     assert_eq!(start(Start::Pyramid), start(Start::Zero));
 }

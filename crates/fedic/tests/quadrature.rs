@@ -13,7 +13,7 @@ use fedic_synthetic::Speckle;
 
 fn points(camera: Arc<dyn Camera>, mesh: &Mesh, quadrature: Quadrature) -> (Vec<[f64; 3]>, Vec<f64>, Vec<usize>) {
     let speckle = Speckle::new(5.0, 0.5, 2).unwrap();
-    let [image, _] = render(&ImageFrame::default(), [100, 90], speckle, Motion::translation([0.0; 2]));
+    let [image, _] = render(&ImageFrame, [100, 90], speckle, Motion::translation([0.0; 2]));
     let options = Options::default().quadrature(quadrature);
     let correlator = Correlator::new(Arc::new(image.clone()), mesh, camera, options).unwrap();
     let found = correlator.quadrature_points();
@@ -53,7 +53,7 @@ fn quadrature_weights_sum_to_the_area() {
 fn pixel_quadrature_contains_every_pixel_once() {
     for cell in CellType::ALL {
         let mesh = warped_mesh([12.3, 11.6, 87.4, 77.7], 15.0, cell, 1.5);
-        let (points, weights, _) = points(Arc::new(ImageFrame::default()), &mesh, Quadrature::Pixel);
+        let (points, weights, _) = points(Arc::new(ImageFrame), &mesh, Quadrature::Pixel);
         assert!(weights.iter().all(|&weight| weight == 1.0));
         let mut seen = HashSet::new();
         for [u, v, _] in points {

@@ -12,9 +12,13 @@ pub struct ImageFrame {
     image_size: Option<[u32; 2]>,
 }
 
+/// The camera of a mesh drawn in the pixels of the image itself, of any size.
+#[allow(non_upper_case_globals)] // the name of the type, as that of a struct without fields
+pub const ImageFrame: ImageFrame = ImageFrame { scale: 1.0, origin: [0.0; 2], image_size: None };
+
 impl Default for ImageFrame {
     fn default() -> Self {
-        Self { scale: 1.0, origin: [0.0; 2], image_size: None }
+        ImageFrame
     }
 }
 

@@ -56,7 +56,7 @@ camera_methods!(ImageFrame {
     }
 
     fn __repr__(&self) -> String {
-        if self.0 == fedic::ImageFrame::default() {
+        if self.0 == fedic::ImageFrame {
             return "ImageFrame()".to_owned();
         }
         let (origin, scale, size) = (self.origin(), self.scale(), size_argument(&self.0));

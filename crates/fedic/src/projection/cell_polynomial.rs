@@ -361,7 +361,7 @@ mod tests {
 
     #[test]
     fn cells_fitted_together_equal_cells_fitted_alone() {
-        for camera in [&tilted(1400.0, -0.2) as &dyn Camera, &wavy(false), &fedic_camera::ImageFrame::default()] {
+        for camera in [&tilted(1400.0, -0.2) as &dyn Camera, &wavy(false), &fedic_camera::ImageFrame] {
             let (mut nodes_of, mut cells) = (Vec::new(), Vec::new());
             for (cell_type, half) in CellType::ALL.into_iter().zip([10.0, 5.0, 10.0, 80.0, 5.0]) {
                 let nodes = warped(cell_type, half, camera);

@@ -40,7 +40,7 @@ mod tests {
     #[test]
     fn the_subset_covers_the_mesh() {
         let mesh = rectangle_mesh([0.0, 0.0, 320.0, 160.0], 4.0, CellType::Quad).unwrap();
-        let subset = stratified_cells(&mesh, &project_nodes::<2>(&mesh, &ImageFrame::default(), None));
+        let subset = stratified_cells(&mesh, &project_nodes::<2>(&mesh, &ImageFrame, None));
         assert_eq!(subset.len(), SIDE * SIDE);
         assert!(subset.is_sorted_by(|a, b| a < b));
         for corner in [0, 79, 80 * 39, 80 * 40 - 1] {
@@ -64,7 +64,7 @@ mod tests {
         };
         let cells = [quads(&fine, 0), quads(&coarse, shift)].concat();
         let mesh = Mesh::new(points, &[(CellType::Quad, cells)]).unwrap();
-        let subset = stratified_cells(&mesh, &project_nodes::<2>(&mesh, &ImageFrame::default(), None));
+        let subset = stratified_cells(&mesh, &project_nodes::<2>(&mesh, &ImageFrame, None));
         assert!((1600..1604).all(|cell| subset.contains(&cell)), "{subset:?}");
     }
 }

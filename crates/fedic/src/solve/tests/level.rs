@@ -26,7 +26,7 @@ fn image(shift: f64) -> Image {
 /// Displacement and standard deviations with a factor in either precision.
 fn measure(dofs: &Dofs<PLANE>, images: &[Image; 2], compact: bool) -> [Vec<[f64; PLANE]>; 2] {
     let options = Options::default();
-    let level = level(dofs, Arc::new(ImageFrame::default()), &images[0], options.smoothing, compact);
+    let level = level(dofs, Arc::new(ImageFrame), &images[0], options.smoothing, compact);
     assert_eq!(level.factor.is_compact(), compact);
     let deformed = Interpolator::smoothed(images[1].view(), options.interpolation, options.smoothing).unwrap();
     let iterations = GaussNewton {

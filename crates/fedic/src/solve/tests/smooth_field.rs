@@ -29,7 +29,7 @@ fn smooth(size: f64, deformed: &Image, start: [f64; 2]) -> (Vec<[f64; 2]>, Vec<[
     let mesh = rectangle_mesh(BOUNDS, size, CellType::Quad).unwrap();
     let dofs = Dofs::new(&mesh).unwrap();
     let reference = image(|x| x);
-    let level = level(&dofs, Arc::new(ImageFrame::default()), &reference, 0.0, false);
+    let level = level(&dofs, Arc::new(ImageFrame), &reference, 0.0, false);
     let deformed = Interpolator::new(deformed.view(), Options::default().interpolation);
     let start = vec![start; mesh.num_nodes()];
     let found = smooth_start(&dofs, &level, &deformed, Brightness::Global, start.clone(), &()).unwrap();

@@ -141,7 +141,7 @@ fn a_rigid_basis_recovers_a_rotation_of_three_degrees() {
     };
     let (reference, deformed) = (plane_image(|x| x), plane_image(|x| turn(x, -sin)));
     let dofs = plane_dofs(20.0);
-    let level = level(&dofs, Arc::new(ImageFrame::default()), &reference, SMOOTHING, false);
+    let level = level(&dofs, Arc::new(ImageFrame), &reference, SMOOTHING, false);
     let interpolator = prepare(&deformed);
     let mut term = level.image_term(&dofs, &interpolator, Brightness::Global);
     let mut basis = ReducedBasis::new(&dofs, RigidModes::new(&dofs.mesh), 0.0);
@@ -203,7 +203,7 @@ fn a_second_quadratic_term_balances_the_image_term() {
     let (motion, target) = ([0.6, -0.3], [0.1, 0.2]);
     let (reference, deformed) = (plane_image(|x| x), plane_image(|[x, y]| [x - motion[0], y - motion[1]]));
     let dofs = plane_dofs(20.0);
-    let level = level(&dofs, Arc::new(ImageFrame::default()), &reference, SMOOTHING, false);
+    let level = level(&dofs, Arc::new(ImageFrame), &reference, SMOOTHING, false);
     let interpolator = prepare(&deformed);
     let solve = |stiffness: f64| {
         let mut image = level.image_term(&dofs, &interpolator, Brightness::None);

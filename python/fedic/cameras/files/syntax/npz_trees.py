@@ -51,7 +51,8 @@ def read_npz(path: Path) -> dict[str, Tree]:
             }
     except Exception as error:  # zipfile, zlib and NumPy raise errors of a dozen types for damaged files
         raise CameraError(
-            f"{path}: NumPy cannot read this file: truncated, or of another format ({str(error) or type(error).__name__})."
+            f"{path}: NumPy cannot read this file: truncated, or of another format "
+            f"({str(error) or type(error).__name__})."
         ) from None
 
 

@@ -33,7 +33,7 @@ fn with_points(mesh: &Mesh, points: Vec<[f64; 3]>) -> Mesh {
 }
 
 fn curvature<const D: usize>(dofs: &Dofs<D>, length: f64) -> Curvature {
-    Curvature::new(dofs, &ImageFrame::default(), length, &()).unwrap()
+    Curvature::new(dofs, &ImageFrame, length, &()).unwrap()
 }
 
 /// Largest entry of `R U` beside the largest that a displacement of this size can have.
