@@ -97,7 +97,7 @@ class PinholeSection(Section):
         return Pinhole(
             self.focal,
             self.principal_point,
-            rotation=rotation_argument("rotation", self.rotation),
+            rotation=rotation_argument("the rotation of the camera", self.rotation),
             translation=self.translation,
             skew_angle=self.skew_angle,
             distortion=None if lens is None else lens.build(),
