@@ -15,6 +15,7 @@ from fedic._internal.measurement import Measurement
 from fedic._internal.mesh_faults import warn_of_mesh_faults
 from fedic._internal.types import Camera, Floats, Image
 from fedic._internal.warning_level import levels_within_fedic
+from fedic.cameras.image_size import check_image_size
 from fedic.errors import CalibrationWarning, ConvergenceWarning, OptionError, QualityWarning, SolveError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
@@ -76,6 +77,8 @@ class Correlator:
         If the reference image cannot be used.
     MeshError
         If the mesh has inverted cells or does not project into the image.
+    CameraError
+        If the camera is that of images of another size.
     SolveError
         If the image does not determine the displacement of some node.
     """
@@ -96,6 +99,7 @@ class Correlator:
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)
+        check_image_size(camera, self._reference.shape, "reference")
         self._mask = pixel_mask(mask, self._reference.shape)
         self._core = _core.Correlator(
             self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
@@ -352,7 +356,7 @@ def correlate(
 
     Raises
     ------
-    OptionError, ImageError, MeshError, SolveError
+    OptionError, ImageError, MeshError, CameraError, SolveError
         As `Correlator` and `Correlator.correlate`.
 
     Warns

@@ -83,7 +83,7 @@ class OptionError(FedicError, ValueError):
 
 
 class CalibrationWarning(UserWarning):
-    """Points lie outside the domain in which a lens was calibrated, where it is extrapolated."""
+    """A camera is known less well than it seems: points outside the domain of its lens, a rotation of few digits."""
 
 
 class ConvergenceWarning(UserWarning):

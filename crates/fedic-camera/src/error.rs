@@ -61,6 +61,28 @@ pub enum CameraError {
         /// Number of coefficients given.
         got: usize,
     },
+    /// An image without pixels.
+    #[error(
+        "an image of {} x {} px has no pixel: the size of the image, the region or the binning of a camera is wrong",
+        size[0], size[1]
+    )]
+    EmptyImage {
+        /// Width and height.
+        size: [u32; 2],
+    },
+    /// A region that is not inside the image.
+    #[error(
+        "the region of {} x {} px with its first pixel at ({}, {}) is not inside the image, which has {} x {} px",
+        size[0], size[1], origin[0], origin[1], image[0], image[1]
+    )]
+    OutsideImage {
+        /// Column and row of the first pixel of the region.
+        origin: [u32; 2],
+        /// Width and height of the region.
+        size: [u32; 2],
+        /// Width and height of the image.
+        image: [u32; 2],
+    },
     /// A rectangle without area.
     #[error("the domain of a spline is (x0, y0, x1, y1) with x0 < x1 and y0 < y1, got {domain:?}")]
     EmptyDomain {

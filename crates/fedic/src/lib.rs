@@ -60,8 +60,8 @@ pub use error::self_calibration::SelfCalibrationError;
 pub use error::solve::SolveError;
 pub use fedic_camera::{
     BrownDistortion, Camera, CameraError, Distortion, FrontParallel, ImageFrame, InverseSplineDistortion, Lens,
-    Parameter, Parametric, Pinhole, Scaled, SplineDistortion, SplineField, for_each_lens, lens, rotation_from_vector,
-    unproject, unproject_aperture, unproject_with_jacobian,
+    Parameter, Parametric, Pinhole, Resizable, Scaled, SplineDistortion, SplineField, for_each_lens, lens,
+    rotation_from_vector, unproject, unproject_aperture, unproject_with_jacobian,
 };
 pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,

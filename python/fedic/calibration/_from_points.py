@@ -182,6 +182,7 @@ def build_result(
         *correlation_advice(lens.parameters, final.covariance),
     ]
     camera = lens.camera(final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
+    camera = camera.cropped(0, 0, *image_size)
     return Calibration(
         camera, chosen, error, views, parameters, deviations, final.covariance, image_size, advice, lens.name
     )

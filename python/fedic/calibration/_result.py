@@ -116,7 +116,6 @@ class Calibration(CameraResult):
 
     def _notes(self) -> dict[str, object]:
         return {
-            "image_size": list(self.image_size),
             "reprojection_error": self.reprojection_error,
             "views_accepted": sum(view.accepted for view in self.views),
             "views_given": len(self.views),

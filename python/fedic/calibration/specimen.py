@@ -11,6 +11,7 @@ from fedic import _core
 from fedic._core import SPECIMEN_OPTIONS, Mesh, Pinhole
 from fedic._internal.determinacy import correlated_pairs, insignificant
 from fedic._internal.types import Camera, Floats, Image
+from fedic.cameras.image_size import check_image_size
 from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
 from fedic.options import core_options, with_options
@@ -135,6 +136,8 @@ def calibrate_on_specimen(
     ------
     ImageError
         If there is no image, or one cannot be used or is not of the size of the reference.
+    CameraError
+        If the camera is that of images of another size.
     OptionError
         If the camera is not a `Pinhole`, a parameter is unknown, or an option has the wrong type or lies outside its
         range.
@@ -161,13 +164,15 @@ def calibrate_on_specimen(
     if not isinstance(mesh, Mesh):
         raise OptionError(f"mesh must be a fedic.Mesh, got a {type(mesh).__name__}.", "mesh")
     names = _checked_names(camera, parameters)
+    check_image_size(camera, reference.shape, "reference")
     known = bool(options.get("known_translations", False))
     start = _start(reference, moved, mesh, camera, translations, known)
     found = _core.calibrate_on_specimen(
         [reference, *moved], mesh, camera, list(names), start, progress=core_callback(progress), **arguments
     )
+    height, width = reference.shape
     return SpecimenCalibration(
-        camera=found.camera,
+        camera=found.camera.cropped(0, 0, width, height),
         parameters=names,
         covariance=found.covariance,
         motions=found.motions,
@@ -177,7 +182,7 @@ def calibrate_on_specimen(
         residual_rms=found.residual_rms,
         noise=found.noise,
         num_points=found.num_points,
-        advice=_advice(found, names, mesh, (reference.shape[1], reference.shape[0])),
+        advice=_advice(found, names, mesh, (width, height)),
     )
 
 

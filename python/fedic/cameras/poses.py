@@ -48,4 +48,5 @@ def with_pose(camera: Pinhole, rotation: Floats, translation: Floats) -> Pinhole
         translation=(tx, ty, tz),
         skew_angle=camera.skew_angle,
         distortion=camera.distortion,
+        image_size=camera.image_size,
     )

@@ -8,8 +8,9 @@ from pydantic import BeforeValidator, Field, ValidationError
 
 from fedic._core import FrontParallel, ImageFrame, Pinhole
 from fedic._internal.sections import Positive, Real, Schema, Section, config_error
-from fedic._internal.types import Camera
+from fedic._internal.types import Camera, Floats
 from fedic.cameras.lens_sections import LENS_SECTIONS, LensSection
+from fedic.cameras.rotations import nearest_rotation
 from fedic.errors import CameraError, ConfigError
 
 __all__ = [
@@ -17,15 +18,18 @@ __all__ = [
     "FrontParallelSection",
     "ImageFrameSection",
     "PinholeSection",
+    "PixelCount",
+    "PixelIndex",
     "Rotation",
     "parse_camera",
+    "rotation_argument",
 ]
 
 
 def _rotation(value: object) -> object:
     try:
         shape = np.asarray(value, dtype=np.float64).shape
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         shape = ()
     if shape not in ((3,), (3, 3)):
         raise ValueError("should be a rotation vector of 3 numbers (radians) or a matrix of 3 rows of 3 numbers")
@@ -34,16 +38,31 @@ def _rotation(value: object) -> object:
 
 Rotation: TypeAlias = Annotated[list[Any], BeforeValidator(_rotation)]
 """A rotation vector or matrix."""
+PixelCount: TypeAlias = Annotated[int, Field(strict=True, ge=1, lt=2**32)]
+"""A number of pixels."""
+PixelIndex: TypeAlias = Annotated[int, Field(strict=True, ge=0, lt=2**32)]
+"""A column or row of an image."""
+ImageSize: TypeAlias = tuple[PixelCount, PixelCount] | None
+"""Width and height of the images of a camera, if known."""
+
+
+def rotation_argument(where: str, rotation: list[Any]) -> Floats:
+    """Return a rotation vector, or the rotation nearest to a matrix, see `nearest_rotation`."""
+    values = np.asarray(rotation, dtype=np.float64)
+    return values if values.ndim == 1 else nearest_rotation(where, values)
 
 
 class ImageFrameSection(Section):
     """``[camera]`` for a mesh drawn in pixels."""
 
     model: Literal["image-frame"]
+    origin: tuple[Real, Real] = (0.0, 0.0)
+    scale: Positive = 1.0
+    image_size: ImageSize = None
 
     def build(self) -> Camera:
         """Create the camera."""
-        return ImageFrame()
+        return ImageFrame(self.origin, self.scale, self.image_size)
 
 
 class FrontParallelSection(Section):
@@ -53,10 +72,11 @@ class FrontParallelSection(Section):
     scale: Positive
     origin: tuple[Real, Real] = (0.0, 0.0)
     angle: Real = 0.0
+    image_size: ImageSize = None
 
     def build(self) -> Camera:
         """Create the camera."""
-        return FrontParallel(self.scale, self.origin, self.angle)
+        return FrontParallel(self.scale, self.origin, self.angle, self.image_size)
 
 
 class PinholeSection(Section):
@@ -69,6 +89,7 @@ class PinholeSection(Section):
     translation: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
     skew_angle: Positive = np.pi / 2
     distortion: LensSection | None = None
+    image_size: ImageSize = None
 
     def build(self) -> Camera:
         """Create the camera."""
@@ -76,10 +97,11 @@ class PinholeSection(Section):
         return Pinhole(
             self.focal,
             self.principal_point,
-            rotation=self.rotation,
+            rotation=rotation_argument("the rotation of the camera", self.rotation),
             translation=self.translation,
             skew_angle=self.skew_angle,
             distortion=None if lens is None else lens.build(),
+            image_size=self.image_size,
         )
 
 

@@ -28,9 +28,18 @@ from fedic._internal.sections import (
     read_tables,
 )
 from fedic._internal.types import Camera
-from fedic.cameras.files import read_camera
+from fedic.cameras.files import read_camera, read_file_camera
 from fedic.cameras.poses import with_pose
-from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
+from fedic.cameras.schema import (
+    CAMERA_SCHEMA,
+    FrontParallelSection,
+    ImageFrameSection,
+    PinholeSection,
+    PixelCount,
+    PixelIndex,
+    Rotation,
+    rotation_argument,
+)
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.io.images import image_stem, split_page
@@ -120,16 +129,35 @@ class MeshSection(Section):
 
 
 class CameraFileSection(Section):
-    """``[camera]`` from a camera file; a pose given here replaces that of the file."""
+    """``[camera]`` from a camera file; a pose given here replaces that of the file.
+
+    The images are a region of the calibrated ones (``crop``: left, top, width, height), or binned after that.
+    """
 
     file: InFolder
     number: Annotated[int, Field(strict=True, ge=0)] = 0
     rotation: Rotation | None = None
     translation: tuple[Real, Real, Real] | None = None
+    crop: tuple[PixelIndex, PixelIndex, PixelCount, PixelCount] | None = None
+    binning: PixelCount = 1
 
     def build(self) -> Camera:
         """Read the camera."""
-        camera = read_camera(self.file, number=self.number)
+        camera = self._placed()
+        try:
+            region = camera if self.crop is None else camera.cropped(*self.crop)
+            return region if self.binning == 1 else region.binned(self.binning)
+        except CameraError as error:
+            raise CameraError(f"{self.file}: crop and binning in [camera]: {error}.") from None
+
+    def _placed(self) -> Camera:
+        """Read the camera, with the pose of the section."""
+        posed = self.rotation is not None and self.translation is not None
+        camera = (
+            read_file_camera(self.file, number=self.number).camera
+            if posed
+            else read_camera(self.file, number=self.number)
+        )
         if self.rotation is None and self.translation is None:
             return camera
         if not isinstance(camera, Pinhole):
@@ -138,7 +166,7 @@ class CameraFileSection(Section):
             )
         return with_pose(
             camera,
-            camera.rotation if self.rotation is None else np.asarray(self.rotation, dtype=np.float64),
+            camera.rotation if self.rotation is None else rotation_argument("camera.rotation", self.rotation),
             np.asarray(camera.translation if self.translation is None else self.translation),
         )
 

@@ -116,7 +116,8 @@ def plot_displacement(
     vectors = field.pixel_displacement if in_pixels else field.displacement
     values = vectors[:, 0 if component in ("x", "u") else 1]
     name = component if in_pixels else f"$U_{component}$"
-    unit = "px" if in_pixels or isinstance(field.camera, ImageFrame) else "mesh unit"
+    drawn = isinstance(field.camera, ImageFrame) and field.camera.scale == 1.0
+    unit = "px" if in_pixels or drawn else "mesh unit"
     return _plot_nodal_field(field, image, values, f"{name} ({unit})", on)
 
 

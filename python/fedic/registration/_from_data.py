@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.calibration.target import Target
+from fedic.cameras.image_size import check_image_size
 from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image
 from fedic.registration._covariance import check_determined, check_known, covariance_of
@@ -99,7 +100,7 @@ def register(
     OptionError
         If the camera has no pose, a feature is unknown, or another argument is malformed or out of its range.
     CameraError
-        If the camera does not see the mesh in the image.
+        If the camera does not see the mesh in the image, or is that of images of another size.
     ImageError
         If a feature or the target is not found in the image, or the image is not finite.
     SolveError
@@ -112,6 +113,7 @@ def register(
         raise OptionError(f"search={search}: give {_SEARCH}.", "search")
     lying = lying_target(target, target_origin, target_angle, target_thickness)
     start = placeable(camera)
+    check_image_size(start, grey.shape, "given")
     names = free_parameters(start, free)
     wanted = chosen_features(mesh, features)
     pairs = [] if points is None else [_inside(grey, checked_pairs(points))]

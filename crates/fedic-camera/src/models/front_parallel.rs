@@ -1,6 +1,6 @@
 //! The fronto-parallel view of the paper's Sect. 4.
 
-use crate::{Camera, CameraError};
+use crate::{Camera, CameraError, Resizable};
 
 /// Fronto-parallel view without distortion: `u = u0 + k X`, `v = v0 - k Y` (paper, eq. 18).
 ///
@@ -13,6 +13,7 @@ pub struct FrontParallel {
     angle: f64,
     /// `k cos a` and `k sin a`.
     scaled_rotation: [f64; 2],
+    image_size: Option<[u32; 2]>,
 }
 
 impl FrontParallel {
@@ -40,7 +41,7 @@ impl FrontParallel {
         if scale <= 0.0 {
             return Err(CameraError::NotPositive { parameter: "scale (pixels per unit)", value: scale });
         }
-        Ok(Self { scale, origin, angle: 0.0, scaled_rotation: [scale, 0.0] })
+        Ok(Self { scale, origin, angle: 0.0, scaled_rotation: [scale, 0.0], image_size: None })
     }
 
     /// Sets the angle by which the world is rotated counter-clockwise in the image about its origin, in radians.
@@ -79,6 +80,21 @@ impl FrontParallel {
     /// Angle by which the world is rotated counter-clockwise in the image, in radians.
     pub fn angle(&self) -> f64 {
         self.angle
+    }
+}
+
+impl Resizable for FrontParallel {
+    fn image_size(&self) -> Option<[u32; 2]> {
+        self.image_size
+    }
+
+    fn resized(self, image_size: Option<[u32; 2]>) -> Self {
+        Self { image_size, ..self }
+    }
+
+    fn resampled(&self, scale: f64, shift: [f64; 2]) -> Result<Self, CameraError> {
+        let origin = std::array::from_fn(|i| scale * self.origin[i] + shift[i]);
+        Ok(Self::new(scale * self.scale, origin)?.with_angle(self.angle)?.resized(self.image_size))
     }
 }
 

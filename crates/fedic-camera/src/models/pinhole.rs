@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::batch::{project_each, project_each_with_jacobian};
 use crate::lens::LensVisitor;
 use crate::newton::Jacobian2;
-use crate::{Camera, CameraError, Distortion, Lens};
+use crate::{Camera, CameraError, Distortion, Lens, Resizable};
 
 const ROTATION_TOLERANCE: f64 = 1e-6;
 const IDENTITY: Jacobian2 = [[1.0, 0.0], [0.0, 1.0]];
@@ -26,6 +26,7 @@ pub struct Pinhole {
     translation: [f64; 3],
     skew_angle: f64,
     distortion: Option<Distortion>,
+    image_size: Option<[u32; 2]>,
     /// `[[a, b], [0, c]]` of the intrinsic matrix, as `[a, b, c]`.
     pub(crate) intrinsic: [f64; 3],
 }
@@ -86,7 +87,16 @@ impl Pinhole {
         }
         let skew_angle = FRAC_PI_2;
         let intrinsic = intrinsic(focal, skew_angle);
-        Ok(Self { focal, principal_point, rotation, translation, skew_angle, distortion: None, intrinsic })
+        Ok(Self {
+            focal,
+            principal_point,
+            rotation,
+            translation,
+            skew_angle,
+            distortion: None,
+            image_size: None,
+            intrinsic,
+        })
     }
 
     /// Sets the angle between the pixel axes, in radians.
@@ -239,6 +249,25 @@ impl LensVisitor for Batch<'_, &mut [[&mut [f64]; 3]; 2]> {
     fn visit(self, lens: &impl Lens) {
         let Self { camera, points, pixels: [u, v], jacobian } = self;
         camera.project_batch_through_with_jacobian(|at| lens.distort_with_jacobian(at), points, u, v, jacobian);
+    }
+}
+
+/// The lens acts on normalised image coordinates: it is the same for a region and for binned images.
+impl Resizable for Pinhole {
+    fn image_size(&self) -> Option<[u32; 2]> {
+        self.image_size
+    }
+
+    fn resized(self, image_size: Option<[u32; 2]>) -> Self {
+        Self { image_size, ..self }
+    }
+
+    fn resampled(&self, scale: f64, shift: [f64; 2]) -> Result<Self, CameraError> {
+        let focal = self.focal.map(|f| scale * f);
+        let principal_point = std::array::from_fn(|i| scale * self.principal_point[i] + shift[i]);
+        let camera = Self::new(focal, principal_point, self.rotation, self.translation)?;
+        let camera = camera.with_skew_angle(self.skew_angle)?.resized(self.image_size);
+        Ok(Self { distortion: self.distortion.clone(), ..camera })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::parameter::Parameter;
 use super::parametric::{Parametric, not_a_parameter};
-use crate::{Camera, CameraError, FrontParallel};
+use crate::{Camera, CameraError, FrontParallel, Resizable};
 
 impl Parametric for FrontParallel {
     fn parameters(&self) -> Vec<Parameter> {
@@ -34,6 +34,6 @@ impl Parametric for FrontParallel {
                 _ => return Err(not_a_parameter(self, parameter)),
             } += step;
         }
-        Self::new(scale, origin)?.with_angle(angle)
+        Ok(Self::new(scale, origin)?.with_angle(angle)?.resized(self.image_size()))
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::parameter::Parameter;
 use super::parametric::{Parametric, not_a_parameter};
-use crate::{BrownDistortion, CameraError, Distortion, Pinhole};
+use crate::{BrownDistortion, CameraError, Distortion, Pinhole, Resizable};
 
 /// The lens that stands for no lens: all its coefficients are zero.
 static NO_DISTORTION: Distortion = Distortion::Brown(BrownDistortion::UNDISTORTED);
@@ -95,6 +95,7 @@ impl Parametric for Pinhole {
             std::array::from_fn(|c| (rotation * Vector3::from(self.rotation().map(|row| row[c]))).into());
         let rotation = std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]));
         let perturbed = Self::new(focal, centre, rotation, translation)?.with_skew_angle(self.skew_angle())?;
+        let perturbed = perturbed.resized(self.image_size());
         Ok(match self.distortion() {
             _ if lens_is_perturbed => perturbed.with_distortion(lens.with_coefficients(&coefficients)?),
             Some(lens) => perturbed.with_distortion(lens.clone()),

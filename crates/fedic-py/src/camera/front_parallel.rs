@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 use super::methods::{camera_methods, parametric_camera_methods};
+use super::resizing::{size_argument, with_image_size};
 use crate::errors::IntoPyErr;
 
 /// Fronto-parallel view without distortion: ``u = u0 + k X``, ``v = v0 - k Y`` (paper, eq. 18).
@@ -17,11 +18,13 @@ use crate::errors::IntoPyErr;
 ///     Image point of the world origin.
 /// angle : float
 ///     ``a``, by which the world is rotated counter-clockwise in the image, in radians.
+/// image_size : (int, int), optional
+///     Width and height of the images, in pixels; images of another size are then refused.
 ///
 /// Raises
 /// ------
 /// CameraError
-///     If the scale is not positive or a parameter is not finite.
+///     If the scale is not positive, a parameter is not finite, or the size is zero.
 #[pyclass(frozen, eq, module = "fedic._core")]
 #[derive(PartialEq)]
 pub(crate) struct FrontParallel(pub(super) fedic::FrontParallel);
@@ -29,12 +32,13 @@ pub(crate) struct FrontParallel(pub(super) fedic::FrontParallel);
 parametric_camera_methods!(FrontParallel {
     #[new]
     #[pyo3(
-        signature = (scale, origin=[0.0, 0.0], angle=0.0),
-        text_signature = "(scale, origin=(0.0, 0.0), angle=0.0)"
+        signature = (scale, origin=[0.0, 0.0], angle=0.0, image_size=None),
+        text_signature = "(scale, origin=(0.0, 0.0), angle=0.0, image_size=None)"
     )]
-    fn new(scale: f64, origin: [f64; 2], angle: f64) -> PyResult<Self> {
+    fn new(scale: f64, origin: [f64; 2], angle: f64, image_size: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let upright = fedic::FrontParallel::new(scale, origin);
-        upright.and_then(|camera| camera.with_angle(angle)).map(Self).map_err(IntoPyErr::into_py_err)
+        let camera = upright.and_then(|camera| camera.with_angle(angle)).map_err(IntoPyErr::into_py_err)?;
+        with_image_size(camera, image_size).map(Self)
     }
 
     /// Pixels per world unit.
@@ -55,11 +59,13 @@ parametric_camera_methods!(FrontParallel {
         self.0.angle()
     }
 
-    fn __getnewargs__(&self) -> (f64, (f64, f64), f64) {
-        (self.scale(), self.origin(), self.angle())
+    #[allow(clippy::type_complexity)]
+    fn __getnewargs__(&self) -> (f64, (f64, f64), f64, Option<(u32, u32)>) {
+        (self.scale(), self.origin(), self.angle(), self.image_size())
     }
 
     fn __repr__(&self) -> String {
-        format!("FrontParallel(scale={}, origin={:?}, angle={})", self.scale(), self.origin(), self.angle())
+        let (scale, origin, angle, size) = (self.scale(), self.origin(), self.angle(), size_argument(&self.0));
+        format!("FrontParallel(scale={scale}, origin={origin:?}, angle={angle}{size})")
     }
 });

@@ -7,6 +7,52 @@ macro_rules! camera_methods {
         impl $type {
             $($own)*
 
+            /// ``(width, height)`` of the images the camera was calibrated on, in pixels; None if it is not known.
+            #[getter]
+            fn image_size(&self) -> Option<(u32, u32)> {
+                fedic::Resizable::image_size(&self.0).map(Into::into)
+            }
+
+            /// The camera of a region of the image.
+            ///
+            /// Parameters
+            /// ----------
+            /// left, top : int
+            ///     Column and row of the first pixel of the region.
+            /// width, height : int
+            ///     Size of the region, in pixels.
+            ///
+            /// Raises
+            /// ------
+            /// CameraError
+            ///     If the region has no pixel, or is not inside an image of `image_size`.
+            fn cropped(
+                &self,
+                left: &Bound<'_, PyAny>,
+                top: &Bound<'_, PyAny>,
+                width: &Bound<'_, PyAny>,
+                height: &Bound<'_, PyAny>,
+            ) -> PyResult<Self> {
+                $crate::camera::resizing::cropped(&self.0, [left, top, width, height]).map(Self)
+            }
+
+            /// The camera of images of which ``n`` by ``n`` pixels are made one.
+            ///
+            /// Pixel centres are at integers: ``u`` becomes ``(u + 0.5) / n - 0.5``.
+            ///
+            /// Parameters
+            /// ----------
+            /// n : int
+            ///     Pixels along a side, 1 or more. Pixels that fill no square are left out at the right and at the bottom.
+            ///
+            /// Raises
+            /// ------
+            /// CameraError
+            ///     If `n` is zero, or larger than the image.
+            fn binned(&self, n: &Bound<'_, PyAny>) -> PyResult<Self> {
+                $crate::camera::resizing::binned(&self.0, n).map(Self)
+            }
+
             /// Image points of world points.
             ///
             /// Parameters

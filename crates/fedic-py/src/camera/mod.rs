@@ -7,6 +7,7 @@ mod methods;
 mod parameters;
 mod pinhole;
 mod projection;
+mod resizing;
 
 pub(crate) use any_camera::any_camera;
 pub(crate) use front_parallel::FrontParallel;

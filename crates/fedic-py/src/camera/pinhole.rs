@@ -5,8 +5,10 @@ use std::f64::consts::FRAC_PI_2;
 use fedic::{CameraError, rotation_from_vector};
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 use super::methods::{camera_methods, parametric_camera_methods};
+use super::resizing::{size_argument, with_image_size};
 use crate::arrays::{self, matrix, to_array};
 use crate::errors::{IntoPyErr, argument_error};
 use crate::lens::{any_lens, lens_object};
@@ -31,11 +33,13 @@ use crate::lens::{any_lens, lens_object};
 ///     ``theta``, the angle between the pixel axes, in radians.
 /// distortion : Distortion, optional
 ///     The lens distortion; none by default.
+/// image_size : (int, int), optional
+///     Width and height of the images the camera was calibrated on, in pixels; images of another size are then refused.
 ///
 /// Raises
 /// ------
 /// CameraError
-///     If a parameter is not finite or out of range, or the matrix is not a rotation.
+///     If a parameter is not finite or out of range, the matrix is not a rotation, or the size is zero.
 #[pyclass(frozen, eq, module = "fedic._core")]
 #[derive(PartialEq)]
 pub(crate) struct Pinhole(pub(crate) fedic::Pinhole);
@@ -44,10 +48,11 @@ parametric_camera_methods!(Pinhole {
     #[new]
     #[pyo3(
         signature = (
-            focal, principal_point, rotation=None, translation=[0.0, 0.0, 0.0], skew_angle=FRAC_PI_2, distortion=None
+            focal, principal_point, rotation=None, translation=[0.0, 0.0, 0.0], skew_angle=FRAC_PI_2, distortion=None,
+            image_size=None
         ),
         text_signature = "(focal, principal_point, rotation=None, translation=(0.0, 0.0, 0.0), \
-                          skew_angle=1.5707963267948966, distortion=None)"
+                          skew_angle=1.5707963267948966, distortion=None, image_size=None)"
     )]
     fn new(
         focal: [f64; 2],
@@ -56,6 +61,7 @@ parametric_camera_methods!(Pinhole {
         translation: [f64; 3],
         skew_angle: f64,
         distortion: Option<&Bound<'_, PyAny>>,
+        image_size: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let rotation = rotation.map_or(Ok(rotation_from_vector([0.0; 3])), rotation_matrix)?;
         let mut camera = fedic::Pinhole::new(focal, principal_point, rotation, translation)
@@ -64,7 +70,7 @@ parametric_camera_methods!(Pinhole {
         if let Some(lens) = distortion {
             camera = camera.with_distortion(any_lens(lens, "distortion")?);
         }
-        Ok(Self(camera))
+        with_image_size(camera, image_size).map(Self)
     }
 
     /// Focal lengths ``(fx, fy)`` in pixels.
@@ -103,13 +109,10 @@ parametric_camera_methods!(Pinhole {
         self.0.distortion().map(|lens| lens_object(py, lens)).transpose()
     }
 
-    #[allow(clippy::type_complexity)]
-    fn __getnewargs__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<((f64, f64), (f64, f64), Bound<'py, PyArray2<f64>>, (f64, f64, f64), f64, Option<Bound<'py, PyAny>>)> {
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let (rotation, lens) = (self.rotation(py)?, self.distortion(py)?);
-        Ok((self.focal(), self.principal_point(), rotation, self.translation(), self.skew_angle(), lens))
+        (self.focal(), self.principal_point(), rotation, self.translation(), self.skew_angle(), lens, self.image_size())
+            .into_pyobject(py)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -118,12 +121,14 @@ parametric_camera_methods!(Pinhole {
             None => "None".to_owned(),
         };
         Ok(format!(
-            "Pinhole(focal={:?}, principal_point={:?}, rotation={:?}, translation={:?}, skew_angle={}, distortion={lens})",
+            "Pinhole(focal={:?}, principal_point={:?}, rotation={:?}, translation={:?}, skew_angle={}, \
+             distortion={lens}{})",
             self.focal(),
             self.principal_point(),
             self.0.rotation(),
             self.translation(),
-            self.skew_angle()
+            self.skew_angle(),
+            size_argument(&self.0)
         ))
     }
 });

@@ -1,27 +1,17 @@
 """Camera files: ``camera.toml`` of fedic, and those of other programs."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 from fedic._internal.types import Camera, StrPath
-from fedic.cameras.files._arrays import read_arrays
-from fedic.cameras.files._matchid import read_matchid
-from fedic.cameras.files._opencv import read_opencv, write_opencv
-from fedic.cameras.files._toml import read_toml, write_toml
-from fedic.cameras.files._vic3d import read_vic3d
+from fedic.cameras.files.file_camera import FileCamera
+from fedic.cameras.files.formats import READERS
+from fedic.cameras.files.programs.camera_toml import write_toml
+from fedic.cameras.files.programs.opencv_writer import write_opencv
 from fedic.errors import CameraError, FedicError, OptionError
 
-__all__ = ["check_writable", "read_camera", "write_camera"]
+__all__ = ["check_writable", "read_camera", "read_file_camera", "write_camera"]
 
-_READERS: dict[str, Callable[[Path, int], Camera]] = {
-    ".toml": read_toml,
-    ".yml": read_opencv,
-    ".yaml": read_opencv,
-    ".xml": read_opencv,
-    ".npz": read_arrays,
-    ".txt": read_vic3d,
-    ".caldat": read_matchid,
-}
 _OPENCV = (".yml", ".yaml", ".xml")
 
 
@@ -31,27 +21,42 @@ def read_camera(path: StrPath, *, number: int = 0) -> Camera:
     Parameters
     ----------
     path : str or path
-        File; its suffix is the format: ``.toml`` (fedic), ``.yml``, ``.yaml`` or ``.xml`` (OpenCV), ``.npz`` (arrays
-        under OpenCV's usual names), ``.txt`` (report of VIC-3D), ``.caldat`` (MatchID).
+        File of fedic (``.toml``), OpenCV, ROS, Kalibr, EuRoC (``.yml``, ``.yaml``), OpenCV, DICe, VIC-3D, Metashape
+        (``.xml``), VIC-3D, DICe, COLMAP (``.txt``), MatchID (``.caldat``), MATLAB (``.mat``), or arrays under OpenCV's
+        usual names (``.npz``).
     number : int
-        Index of the camera in a file of two: 0 or 1.
+        Index of the camera in a file of several, from 0.
 
     Returns
     -------
     Pinhole, FrontParallel or ImageFrame
-        The camera with the pose in the file. Without a pose, and for the first of two cameras, the world is the
-        camera's own frame: no rotation, no translation. The pose of the second of two cameras maps the frame of the
-        first to its own.
+        The camera with the pose in the file, and the size of its images if the file has it. Without a pose, and for
+        the first of several cameras, the world is the camera's own frame: no rotation, no translation. The pose of
+        another camera maps the frame of the first to its own. DICe and Anipose have poses for all in one world.
 
     Raises
     ------
     CameraError
-        If the file is missing, truncated, lacks a value, or has a value that fedic's cameras cannot represent.
+        If the file is missing, truncated, lacks a value or the pose of a second camera, or has a value that fedic's
+        cameras cannot represent.
+
+    Warns
+    -----
+    CalibrationWarning
+        If a rotation matrix has so few digits that the nearest rotation differs by more than 1e-6.
     """
+    found = read_file_camera(path, number=number)
+    if found.missing_pose:
+        raise CameraError(f"{path}: {found.missing_pose} (Or give rotation and translation in [camera] of a run.)")
+    return found.camera
+
+
+def read_file_camera(path: StrPath, *, number: int = 0) -> FileCamera:
+    """Read a camera whose pose may be missing; parameters and errors as `read_camera`."""
     path = Path(path)
-    reader = _READERS.get(path.suffix.lower())
+    reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise CameraError(f"{path}: {path.suffix!r} is not a camera format; give one of {', '.join(_READERS)}.")
+        raise CameraError(f"{path}: {path.suffix!r} is not a camera format; give one of {', '.join(READERS)}.")
     if not path.is_file():
         raise CameraError(f"{path}: there is no such camera file; check the path.")
     return reader(path, number)

@@ -6,33 +6,23 @@ import numpy as np
 
 from fedic._core import BrownDistortion, Pinhole
 from fedic._internal.types import Floats
+from fedic.cameras.files.syntax.tree import Tree, numbers
+from fedic.cameras.rotations import nearest_rotation
 from fedic.errors import CameraError
 
-__all__ = ["camera_from_matrices", "matrices_of_camera", "numbers"]
+__all__ = ["camera_from_matrices", "matrices_of_camera"]
 
 _LENGTHS = (4, 5, 8, 12, 14)
 _BEYOND = {"k4": 5, "k5": 6, "k6": 7, "s2": 9, "s4": 11, "tau_x": 12, "tau_y": 13}
 
 
-def numbers(path: Path, key: str, values: object, size: int | None = None) -> Floats:
-    """Return values as a flat array of finite numbers, optionally of a given size."""
-    try:
-        found = np.asarray(values, dtype=np.float64).ravel()
-    except (TypeError, ValueError):
-        raise CameraError(f"{path}: {key} does not hold numbers.") from None
-    if size is not None and found.size != size:
-        raise CameraError(f"{path}: {key} holds {found.size} numbers instead of {size}; is the file truncated?")
-    if not np.isfinite(found).all():
-        raise CameraError(f"{path}: {key} holds NaN or infinite numbers.")
-    return found
-
-
 def camera_from_matrices(
     path: Path,
-    matrix: tuple[str, object],
-    distortion: tuple[str, object] | None,
-    rotation: tuple[str, object] | None = None,
-    translation: tuple[str, object] | None = None,
+    matrix: tuple[str, Tree],
+    distortion: tuple[str, Tree] | None = None,
+    rotation: tuple[str, Tree] | None = None,
+    translation: tuple[str, Tree] | None = None,
+    image_size: tuple[int, int] | None = None,
 ) -> Pinhole:
     """Make a camera from OpenCV's matrices, each given with its key in the file.
 
@@ -40,12 +30,14 @@ def camera_from_matrices(
     ----------
     path : Path
         The file, for messages.
-    matrix : (str, object)
+    matrix : (str, Tree)
         Camera matrix of nine numbers.
-    distortion : (str, object), optional
+    distortion : (str, Tree), optional
         4, 5, 8, 12 or 14 coefficients in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y.
-    rotation, translation : (str, object), optional
-        Rotation vector or matrix, and translation.
+    rotation, translation : (str, Tree), optional
+        Rotation vector or matrix, and translation: both or none.
+    image_size : (int, int), optional
+        Width and height in pixels.
 
     Returns
     -------
@@ -62,22 +54,28 @@ def camera_from_matrices(
         raise CameraError(
             f"{path}: {matrix[0]} is not a camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]: {k.tolist()}."
         )
-    turn = None if rotation is None else numbers(path, *rotation)
-    if turn is not None and turn.size not in (3, 9):
-        raise CameraError(f"{path}: {rotation[0] if rotation else ''} holds {turn.size} numbers, not 3 or 9.")
+    lens = None if distortion is None else _lens(path, *distortion)
+    turn = None if rotation is None else _rotation(path, *rotation)
     tx, ty, tz = np.zeros(3) if translation is None else numbers(path, *translation, size=3)
+    if (rotation is None) != (translation is None):
+        there, absent = (rotation, "translation") if translation is None else (translation, "rotation")
+        raise CameraError(
+            f"{path}: {there[0] if there else ''} is there, but no {absent}: a pose has both. Add the {absent}, or "
+            "leave the other out if it is not part of the pose."
+        )
     try:
         angle = float(np.arctan2(k[0, 0], k[0, 1]))
         return Pinhole(
             (k[0, 0], k[1, 1] * np.sin(angle)),
             (k[0, 2], k[1, 2]),
-            rotation=turn if turn is None or turn.size == 3 else turn.reshape(3, 3),
+            rotation=turn,
             translation=(tx, ty, tz),
             skew_angle=angle if k[0, 1] != 0.0 else np.pi / 2,
-            distortion=None if distortion is None else _lens(path, *distortion),
+            distortion=lens,
+            image_size=image_size,
         )
     except CameraError as error:
-        raise error if str(path) in str(error) else CameraError(f"{path}: {error}") from None
+        raise CameraError(f"{path}: {matrix[0]}: {error}") from None
 
 
 def matrices_of_camera(path: Path, camera: object) -> tuple[Floats, Floats, Floats, Floats]:
@@ -110,7 +108,15 @@ def matrices_of_camera(path: Path, camera: object) -> tuple[Floats, Floats, Floa
     return matrix, np.array([coefficients]), camera.rotation, np.array(camera.translation)
 
 
-def _lens(path: Path, key: str, values: object) -> BrownDistortion | None:
+def _rotation(path: Path, key: str, values: Tree) -> Floats:
+    """Return a rotation vector, or the rotation nearest to a matrix."""
+    turn = numbers(path, key, values)
+    if turn.size not in (3, 9):
+        raise CameraError(f"{path}: {key} holds {turn.size} numbers, not 3 or 9.")
+    return turn if turn.size == 3 else nearest_rotation(f"{path}: {key}", turn.reshape(3, 3))
+
+
+def _lens(path: Path, key: str, values: Tree) -> BrownDistortion | None:
     found = numbers(path, key, values)
     if found.size == 0 or not found.any():
         return None

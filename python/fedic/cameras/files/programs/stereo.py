@@ -6,6 +6,7 @@ import numpy as np
 
 from fedic._core import BrownDistortion, Pinhole
 from fedic._internal.types import Floats
+from fedic.cameras.files.file_camera import FileCamera
 from fedic.errors import CameraError
 
 __all__ = ["rotation_from_angles", "stereo_camera"]
@@ -37,7 +38,8 @@ def stereo_camera(
     intrinsics: dict[str, float],
     angles: tuple[float, float, float],
     distances: tuple[float, float, float],
-) -> Pinhole:
+    missing_pose: str = "",
+) -> FileCamera:
     """Make one of two cameras; the world is the frame of the first.
 
     Parameters
@@ -51,10 +53,12 @@ def stereo_camera(
     angles, distances : (float, float, float)
         Rotation and translation from the frame of the first camera to that of the second, in degrees and in the file's
         unit of length.
+    missing_pose : str
+        What the file lacks of the pose of the second camera, see `FileCamera`.
 
     Returns
     -------
-    Pinhole
+    FileCamera
         The camera.
 
     Raises
@@ -62,17 +66,20 @@ def stereo_camera(
     CameraError
         If the values are not those of a camera.
     """
+    posed = number > 0 and not missing_pose
     fx, fs = intrinsics["fx"], intrinsics["fs"]
     angle = float(np.arctan2(fx, fs)) if fs else np.pi / 2
-    lens = BrownDistortion((intrinsics["k1"], intrinsics["k2"], intrinsics["k3"]), (intrinsics["d1"], intrinsics["d2"]))
+    k1, k2, k3, d1, d2 = (intrinsics[name] for name in ("k1", "k2", "k3", "d1", "d2"))
     try:
-        return Pinhole(
+        lens = BrownDistortion((k1, k2, k3), (d1, d2))
+        camera = Pinhole(
             (fx, intrinsics["fy"] * float(np.sin(angle))),
             (intrinsics["cx"], intrinsics["cy"]),
-            rotation=rotation_from_angles(*angles) if number else None,
-            translation=distances if number else (0.0, 0.0, 0.0),
+            rotation=rotation_from_angles(*angles) if posed else None,
+            translation=distances if posed else (0.0, 0.0, 0.0),
             skew_angle=angle,
             distortion=lens,
         )
     except CameraError as error:
         raise CameraError(f"{path}: camera {number}: {error}") from None
+    return FileCamera(camera, missing_pose)

@@ -1,11 +1,15 @@
 """Cameras in the ``.caldat`` files of MatchID, with lines such as ``Cam1_Fx [pixels];7015.3``."""
 
+import math
 import re
 from pathlib import Path
 
-from fedic._core import Pinhole
-from fedic.cameras.files._stereo import stereo_camera
+from fedic.cameras.files.file_camera import FileCamera
+from fedic.cameras.files.programs.measures import ANGLES, LENGTHS, PIXELS, Decimals, check_unit, split_unit
+from fedic.cameras.files.programs.stereo import stereo_camera
+from fedic.cameras.files.syntax.tree import LARGEST_FILE
 from fedic.errors import CameraError
+from fedic.io.text import read_text
 
 __all__ = ["read_matchid"]
 
@@ -22,11 +26,12 @@ _INTRINSICS = {
     "P2": "d2",
 }
 _REQUIRED = ("Fx", "Fy", "Cx", "Cy")
+_IN_PIXELS = ("_Fx", "_Fy", "_Fs", "_Cx", "_Cy")
 _ANGLES, _DISTANCES = ("Theta", "Phi", "Psi"), ("Tx", "Ty", "Tz")
 _CAMERA = re.compile(r"cam(\d+)_(.*)", re.IGNORECASE)
 
 
-def read_matchid(path: Path, number: int) -> Pinhole:
+def read_matchid(path: Path, number: int) -> FileCamera:
     """Read one of the cameras of a file; those of a pair are named Cam0 and Cam1, or Cam1 and Cam2."""
     values = _values(path)
     numbered = [(int(match[1]), match[2], value) for key, value in values.items() if (match := _CAMERA.fullmatch(key))]
@@ -47,30 +52,32 @@ def read_matchid(path: Path, number: int) -> Pinhole:
         if key not in _INTRINSICS and value != 0.0:
             raise CameraError(f"{path}: {prefix}{key} = {value:g} is not in fedic's lens model.")
     intrinsics = {name: own.get(key, 0.0) for key, name in _INTRINSICS.items()}
-    pose = [0.0] * 6 if number == 0 else [_required(path, values, key) for key in _ANGLES + _DISTANCES]
-    return stereo_camera(path, number, intrinsics, (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5]))
+    missing = [key for key in _ANGLES + _DISTANCES if key not in values] if number else []
+    sentence = (
+        f"{missing[0]}, part of the pose of the second camera, is missing; is the file truncated?" if missing else ""
+    )
+    pose = [0.0] * 6 if number == 0 or missing else [values[key] for key in _ANGLES + _DISTANCES]
+    return stereo_camera(path, number, intrinsics, (pose[0], pose[1], pose[2]), (pose[3], pose[4], pose[5]), sentence)
 
 
 def _values(path: Path) -> dict[str, float]:
-    """Return the numbers of the file by key, without the unit in brackets."""
-    try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        raise CameraError(f"{path}: the camera file cannot be read ({error.strerror}).") from error
+    """Return the numbers of the file by key, without the unit in brackets, which is checked."""
     values: dict[str, float] = {}
-    for line in text.splitlines():
+    decimals = Decimals(path)
+    for line in read_text(path, LARGEST_FILE, CameraError).splitlines():
         key, semicolon, value = (part.strip() for part in line.partition(";"))
         if not semicolon:
             continue
-        name = re.sub(r"\s*\[.*\]$", "", key)
-        try:
-            values[name] = float(value.rstrip(";"))
-        except ValueError:
-            raise CameraError(f"{path}: {key} = {value!r} is not a number; is the file truncated?") from None
+        name, unit = split_unit(key)
+        if name in values:
+            raise CameraError(f"{path}: the key {name} is there twice; which one counts?")
+        if name in _ANGLES:
+            check_unit(path, name, unit, ANGLES)
+        elif name in _DISTANCES:
+            check_unit(path, name, unit, LENGTHS)
+        elif name.endswith(_IN_PIXELS):
+            check_unit(path, name, unit, PIXELS)
+        values[name] = decimals.number(key, value.rstrip("; "))
+        if not math.isfinite(values[name]):
+            raise CameraError(f"{path}: {key} = {value} is not a finite number.")
     return values
-
-
-def _required(path: Path, values: dict[str, float], key: str) -> float:
-    if key not in values:
-        raise CameraError(f"{path}: {key}, part of the pose of the second camera, is missing; is the file truncated?")
-    return values[key]
