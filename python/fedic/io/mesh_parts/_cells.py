@@ -32,7 +32,7 @@ def corner_keys(nodes: Indices, num_corners: int, width: int) -> Indices:
 
 
 def groups_of(rows: Indices) -> Indices:
-    """Number the groups of equal rows.
+    """Return the group of equal rows to which each row belongs.
 
     Parameters
     ----------

@@ -1,0 +1,1 @@
+"""Small files in many variants of the formats that fedic reads."""
