@@ -83,12 +83,13 @@ class _Items:
 
 def write_xdmf(path: Path, form: str) -> None:
     items = _Items(path, form)
+    is_left = np.isin(np.arange(len(POINTS)), LEFT).astype(int)
     path.write_text(
         '<?xml version="1.0"?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n'
         '<Xdmf Version="3.0"><Domain><Grid Name="mesh" GridType="Uniform">\n'
         f'<Geometry GeometryType="XY">{items.item(POINTS[:, :2])}</Geometry>\n'
         f'<Topology TopologyType="Quadrilateral">{items.item(QUADS)}</Topology>\n'
-        f'<Attribute Name="set:left" Center="Node">{items.item(np.isin(np.arange(len(POINTS)), LEFT) * 1)}</Attribute>\n'
+        f'<Attribute Name="set:left" Center="Node">{items.item(is_left)}</Attribute>\n'
         "</Grid></Domain></Xdmf>\n"
     )
 

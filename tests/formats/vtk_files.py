@@ -212,6 +212,8 @@ def write_legacy(path: Path, version: float, binary: bool) -> None:
         *_legacy_cells("CELLS", cells, version),
         f"CELL_TYPES {len(types)}\n",
         types,
+        "METADATA\nCOMPONENT_NAMES\nx%20y\n\n\n",
+        "INFORMATION 1\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 3.6\n\n",
         f"CELL_DATA {len(cells)}\nSCALARS id int 1\nLOOKUP_TABLE default\n",
         types,
         f"POINT_DATA {len(POINTS)}\nVECTORS U double\n",

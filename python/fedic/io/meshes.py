@@ -14,7 +14,7 @@ from fedic.io._abaqus import read_abaqus
 from fedic.io._mesh_file import MeshFile
 from fedic.io._meshio import FORMATS
 from fedic.io._reader_process import read_in_process
-from fedic.io.mesh_parts import chosen, whole_surface, without_repeated_cells
+from fedic.io.mesh_parts import check_whole, chosen, without_repeated_cells
 from fedic.io.msh import read_msh
 from fedic.io.vtk import read_legacy_vtk, read_xml_vtk
 
@@ -80,12 +80,15 @@ def read_mesh(path: StrPath) -> Mesh:
     contents = read(file)
     contents.check_nodes(file)
     contents = without_repeated_cells(contents)
-    part = whole_surface(file, contents) if choice is None else chosen(file, contents, choice)
-    points = part.points
+    if choice is None:
+        check_whole(file, contents)
+    else:
+        contents = chosen(file, contents, choice)
+    points = contents.points
     if points.shape[1] == 3 and not points[:, 2].any():
         points = points[:, :2]
     try:
-        return Mesh(np.ascontiguousarray(points, dtype=np.float64), part.surface_cells(), part.sets())
+        return Mesh(np.ascontiguousarray(points, dtype=np.float64), contents.surface_cells(), contents.sets())
     except MeshError as error:
         raise MeshError(f"{file}: {error}", error.cells, error.nodes) from error
 

@@ -94,7 +94,7 @@ def numbers(parent: Any, name: str) -> Any:
     import h5py
 
     array = group(parent, name)
-    if not isinstance(array, h5py.Dataset) or array.dtype.kind not in "iuf":
+    if not isinstance(array, h5py.Dataset) or array.dtype.base.kind not in "iuf":
         raise ValueError(f"{name!r} is no array of numbers")
     if array.is_virtual or array.external:
         raise ValueError(f"the numbers of {name!r} lie in another file, which is not read")

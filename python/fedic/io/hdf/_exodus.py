@@ -81,10 +81,11 @@ def read_exodus(path: Path) -> MeshFile:
         with netCDF4.Dataset(str(path)) as file:
             file.set_auto_mask(False)
             return _read(file)
-    except (OSError, KeyError, IndexError, AttributeError, TypeError, RuntimeError, OverflowError) as error:
-        raise unreadable(path, f"it is no Exodus file, or is damaged: {error}") from error
     except ValueError as error:
         raise unreadable(path, str(error)) from error
+    except (OSError, KeyError, IndexError, AttributeError, TypeError, RuntimeError, OverflowError) as error:
+        lost = f": the array {error} is missing" if isinstance(error, KeyError) else ""
+        raise unreadable(path, f"the file is damaged, or is no Exodus file{lost}") from error
 
 
 def _read(file: Any) -> MeshFile:

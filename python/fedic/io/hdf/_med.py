@@ -28,8 +28,11 @@ _TYPES = {
     "P15": ("wedge15", 15),
     "HE8": ("hexahedron", 8),
     "H20": ("hexahedron20", 20),
-    "H27": ("hexahedron of 27 nodes", 27),
+    "H27": ("hexahedron27", 27),
 }
+_ORDER_OF_H27 = [*range(20), 24, 22, 21, 23, 20, 25, 26]
+"""Place in a file of the nodes of a ``hexahedron27``; the two orders differ in the middles of the faces."""
+
 _IGNORED = {"POG": "polygon", "POG2": "polygon of second order", "POE": "polyhedron"}
 
 
@@ -55,12 +58,10 @@ def read_med(path: Path) -> MeshFile:
     try:
         with h5py.File(path, "r") as file:
             return _read(file)
-    except (ValueError, OSError, KeyError, TypeError, RuntimeError) as error:
-        raise unreadable(path, _cause(error)) from error
-
-
-def _cause(error: Exception) -> str:
-    return str(error) if isinstance(error, ValueError) else f"it is no MED file, or is damaged: HDF5 says {error}"
+    except ValueError as error:
+        raise unreadable(path, str(error)) from error
+    except (OSError, KeyError, TypeError, RuntimeError) as error:
+        raise unreadable(path, "the file is damaged, or is no MED file") from error
 
 
 def _read(file: Any) -> MeshFile:
@@ -115,7 +116,11 @@ def _block(code: str, cells: Any) -> tuple[Block, Indices]:
     tags = numbers(cells, "FAM").ravel().astype(np.int64) if "FAM" in cells else np.zeros(len(nodes), dtype=np.int64)
     if len(tags) != len(nodes):
         raise ValueError(f"it gives {len(tags)} families for {len(nodes)} {code} cells")
-    return (name, nodes[:, :6] if code == "TR7" else nodes), tags
+    if code == "TR7":
+        nodes = nodes[:, :6]
+    elif code == "H27":
+        nodes = nodes[:, _ORDER_OF_H27]
+    return (name, nodes), tags
 
 
 def _groups(families: Any, kind: str) -> list[tuple[int, list[str]]]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic.io._mesh_file import Block, MeshFile, unreadable
+from fedic.io._text_numbers import numbers_of
 from fedic.io.hdf._arrays import import_h5py, numbers
 
 __all__ = ["read_xdmf"]
@@ -189,7 +190,7 @@ class _Reader:
         for length in shape:
             count *= length
         if form == "XML":
-            values = np.array(text.split()).astype(np.float64 if kind == "float" else np.int64)
+            values = numbers_of(text.split(), np.float64 if kind == "float" else np.int64)
         elif form == "HDF":
             name, _, place = text.partition(":")
             h5py = import_h5py(self._path)

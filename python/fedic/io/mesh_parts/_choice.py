@@ -12,15 +12,15 @@ from fedic.io._mesh_file import Block, Indices, MeshFile, is_unknown_surface
 from fedic.io.mesh_parts._faces import SOLIDS, boundary_faces
 from fedic.io.mesh_parts._repeated import without_repeated_cells
 
-__all__ = ["chosen", "whole_surface"]
+__all__ = ["check_whole", "chosen"]
 
 _PLANE_TOLERANCE = 1e-6
 """Largest distance of a node from the plane it lies in, relative to the size of the mesh."""
 _MAX_NAMES = 40
 
 
-def whole_surface(path: Path, contents: MeshFile) -> MeshFile:
-    """Return the contents of a file without a choice, if they have surface cells, all of types that are measured.
+def check_whole(path: Path, contents: MeshFile) -> None:
+    """Check that a file of which no part is chosen has surface cells, all of types that are measured.
 
     Parameters
     ----------
@@ -29,31 +29,25 @@ def whole_surface(path: Path, contents: MeshFile) -> MeshFile:
     contents : MeshFile
         Its contents.
 
-    Returns
-    -------
-    MeshFile
-        The contents.
-
     Raises
     ------
     MeshError
         If there is no surface cell, or one of a type that is not measured.
     """
-    if contents.surface_cells():
-        _check_types(path, contents.blocks)
-        return contents
     _check_types(path, contents.blocks)
-    solids = {name: len(nodes) for name, nodes in contents.blocks if name in SOLIDS}
-    if not solids:
-        found = ", ".join(sorted({name for name, _ in contents.blocks})) or "none"
+    if any(map(len, contents.surface_cells().values())):
+        return
+    names = _Names(contents)
+    found = ", ".join(sorted({name for name, _ in contents.blocks})) or "none"
+    example = names.example()
+    if example is None:
         raise MeshError(
             f"{path}: no surface cell to correlate on (cells found: {found}); "
             f"export the surface as one of {', '.join(CELL_TYPES)}."
         )
-    names = _Names(contents)
     raise MeshError(
-        f"{path}: no surface cell to correlate on (cells found: {', '.join(sorted(solids))}, which are solids); choose "
-        f"faces of the solids by name, such as {path.name}#{names.example()}. Names: {names.listed()}."
+        f"{path}: no surface cell to correlate on (cells found: {found}); choose faces of the solids by name, such as "
+        f"{path.name}#{example}. Names: {names.listed()}."
     )
 
 
@@ -97,8 +91,8 @@ def chosen(path: Path, contents: MeshFile, name: str) -> MeshFile:
         faces = names.faces(name)
         if not faces:
             raise MeshError(
-                f"{path}: {name!r} holds {names.described(name)}, and nothing to correlate on; choose one of "
-                f"{names.listed()}."
+                f"{path}: {name!r} chooses {names.described(name)}, so there is nothing to correlate on; the names "
+                f"in the file are {names.listed()}."
             )
         part = _restricted(contents, [np.empty(0, dtype=np.int64)] * len(contents.blocks), faces)
     _check_types(path, part.blocks)
@@ -174,9 +168,9 @@ class _Names:
             shown = [*shown[:_MAX_NAMES], f"and {len(shown) - _MAX_NAMES} more"]
         return ", ".join(shown) or "no named part"
 
-    def example(self) -> str:
-        """Return a name that chooses something."""
-        return next((name for name in self._names if self.faces(name)), "NAME")
+    def example(self) -> str | None:
+        """Return a name that chooses faces of solids."""
+        return next((name for name in self._names if self.faces(name)), None)
 
     def _nodes(self, name: str) -> NDArray[np.bool_] | None:
         """Return which nodes belong to a set of nodes or a side of the bounding box."""

@@ -5,9 +5,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fedic.io._text_numbers import numbers_of
+
 __all__ = ["Numbers"]
 
 _BINARY = {"int": "i4", "size": "u8", "double": "f8"}
+_LARGEST_EXACT = 2**53
+"""Larger integers written as text cannot be told apart."""
 
 
 class Numbers:
@@ -38,9 +42,9 @@ class Numbers:
         self._content: bytes | NDArray[np.float64] = content
         if not binary:
             try:
-                self._content = np.array(content.split(), dtype=np.float64)
+                self._content = numbers_of(content.split(), np.float64)
             except ValueError as error:
-                raise ValueError(f"the section {section} holds something else than numbers") from error
+                raise ValueError(f"in the section {section}, {error}") from error
 
     def take(self, kind: str, *shape: int) -> NDArray[Any]:
         """Return the next numbers.
@@ -91,8 +95,10 @@ class Numbers:
             found = [rows[str(index)] for index in range(len(columns))]
         else:
             found = np.split(part.reshape(count, width), np.cumsum([number for _, number in columns])[:-1], axis=1)
-        kinds = (np.float64 if kind == "double" else np.int64 for kind, _ in columns)
-        return [each.astype(kind) for each, kind in zip(found, kinds, strict=True)]
+        return [
+            each.astype(np.float64) if kind == "double" else self._integers(each)
+            for each, (kind, _) in zip(found, columns, strict=True)
+        ]
 
     def one(self, kind: str) -> int:
         """Return the next number as an integer.
@@ -117,4 +123,13 @@ class Numbers:
         ndarray of int64, shape (n,)
             The numbers.
         """
-        return np.asarray(self._content[self._place :], dtype=np.float64).astype(np.int64)
+        return self._integers(np.asarray(self._content[self._place :]))
+
+    def _integers(self, values: NDArray[Any]) -> NDArray[np.int64]:
+        if values.dtype.kind == "f":
+            wrong = ~((np.abs(values) < _LARGEST_EXACT) & (values == np.trunc(values)))
+            if wrong.any():
+                raise ValueError(
+                    f"in the section {self._section}, {values[wrong][0]} stands where an integer is expected"
+                )
+        return values.astype(np.int64)

@@ -13,6 +13,8 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
+from fedic.io._text_numbers import numbers_of
+
 __all__ = ["ArrayReader"]
 
 _TYPES = {
@@ -91,8 +93,11 @@ class ArrayReader:
         try:
             if array.get("format") == "ascii":
                 # Through numbers of the kind: text of large integers would lose digits as floats.
-                return np.array((array.text or "").split()).astype(kind)
-            return self._decoded(array).astype(kind)
+                return numbers_of((array.text or "").split(), kind)
+            numbers = self._decoded(array)
+            if kind is np.int64 and numbers.dtype.kind == "f":
+                raise ValueError("it does not hold integers")
+            return numbers.astype(kind)
         except (ValueError, OverflowError, zlib.error, lzma.LZMAError, binascii.Error, RuntimeError) as error:
             raise ValueError(f"the array {name!r} is damaged: {error}") from error
 

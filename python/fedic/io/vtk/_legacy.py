@@ -27,6 +27,8 @@ _COMPONENTS = {
     "PEDIGREE_IDS": 1,
     "EDGE_FLAGS": 1,
 }
+_METADATA = {"METADATA", "INFORMATION"}
+"""First words of lines after an array that describe it, up to an empty line; an array may have both."""
 
 
 def read_legacy_vtk(path: Path) -> MeshFile:
@@ -115,7 +117,7 @@ class _Reader:
             self._types = tokens.numbers(_integer(words[0]), "int").astype(np.int64)
         elif keyword in ("POINT_DATA", "CELL_DATA"):
             self._where, self._count = keyword, _integer(words[0])
-        elif keyword == "METADATA":
+        elif keyword in _METADATA:
             tokens.skip_to_empty_line()
         elif keyword == "FIELD":
             for _ in range(_integer(words[1])):
@@ -162,11 +164,13 @@ class _Reader:
         if len(words) != 2 or words[0].upper() != keyword:
             raise ValueError(f"{keyword} of the cells is missing")
         numbers: NDArray[Any] = self._tokens.numbers(count, words[1])
+        if numbers.dtype.kind == "f":
+            raise ValueError(f"{keyword} of the cells are not integers")
         return numbers.astype(np.int64)
 
     def _read_field(self, line: str) -> None:
         words = line.split()
-        if words and words[0].upper() == "METADATA":
+        while words and words[0].upper() in _METADATA:
             self._tokens.skip_to_empty_line()
             words = self._tokens.line().split()
         if len(words) != 4:

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fedic.io._text_numbers import numbers_of
+
 __all__ = ["Tokens"]
 
 _TYPES = {
@@ -106,8 +108,7 @@ class Tokens:
         if len(items) < count:
             raise ValueError(f"the file ends before {count} numbers of type {kind}; it is damaged")
         # Text is read as the numbers it spells, whatever type the file names.
-        numbers: NDArray[Any] = np.array(items[:count]).astype(np.float64 if _TYPES[kind][0] == "f" else np.int64)
-        return numbers
+        return numbers_of(items[:count], np.float64 if _TYPES[kind][0] == "f" else np.int64)
 
     def skip_strings(self, count: int) -> None:
         """Pass strings: lines of text, or binary strings after their length.
