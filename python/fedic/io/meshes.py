@@ -65,19 +65,11 @@ def read_mesh(path: StrPath) -> Mesh:
         chosen.
     """
     file, choice = split_choice(path)
-    if not file.is_file():
-        what = "is no regular file" if file.exists() else "does not exist"
-        raise MeshError(f"{file}: there is no such mesh file (it {what}); check the path.")
-    size = file.stat().st_size
-    if size > MAX_BYTES:
-        raise MeshError(f"{file}: the mesh file has {size} bytes, more than the {MAX_BYTES} that are read.")
-    read = _READERS.get(file.suffix.lower())
-    if read is None:
-        raise MeshError(
-            f"{file}: the mesh file cannot be read (the suffix {file.suffix!r} names no format that fedic "
-            f"reads, which are {', '.join(sorted(_READERS))})."
-        )
-    contents = read(file)
+    read = _reader(file)
+    try:
+        contents = read(file)
+    except MemoryError as error:
+        raise MeshError(f"{file}: there is not enough memory to read the mesh file.") from error
     contents.check_nodes(file)
     contents = without_repeated_cells(contents)
     if choice is None:
@@ -91,6 +83,26 @@ def read_mesh(path: StrPath) -> Mesh:
         return Mesh(np.ascontiguousarray(points, dtype=np.float64), contents.surface_cells(), contents.sets())
     except MeshError as error:
         raise MeshError(f"{file}: {error}", error.cells, error.nodes) from error
+
+
+def _reader(file: Path) -> Callable[[Path], MeshFile]:
+    """Return the reader of a file, which must be there, be regular and not be too large."""
+    if not _is_file(file):
+        raise MeshError(f"{file}: there is no such mesh file, or it is no regular file; check the path.")
+    try:
+        size = file.stat().st_size
+        file.open("rb").close()
+    except OSError as error:
+        raise MeshError(f"{file}: the mesh file cannot be read ({error.strerror}).") from error
+    if size > MAX_BYTES:
+        raise MeshError(f"{file}: the mesh file has {size} bytes, more than the {MAX_BYTES} that are read.")
+    read = _READERS.get(file.suffix.lower())
+    if read is None:
+        raise MeshError(
+            f"{file}: the mesh file cannot be read (the suffix {file.suffix!r} names no format that fedic "
+            f"reads, which are {', '.join(sorted(_READERS))})."
+        )
+    return read
 
 
 def split_choice(path: StrPath) -> tuple[Path, str | None]:
@@ -115,10 +127,14 @@ def split_choice(path: StrPath) -> tuple[Path, str | None]:
     """
     text = os.fspath(path)
     places = [place for place, letter in enumerate(text) if letter == "#"]
-    if not places or Path(text).exists():
+    if not places or _is_file(Path(text)):
         return Path(text), None
-    place = next((place for place in places if Path(text[:place]).is_file()), places[0])
+    place = next((place for place in places if _is_file(Path(text[:place]))), places[0])
     choice = text[place + 1 :].strip()
     if not choice:
         raise MeshError(f"{text}: nothing follows the '#'; write the name of a part of the mesh, or leave the '#' out.")
     return Path(text[:place]), choice
+
+
+def _is_file(path: Path) -> bool:
+    return os.path.isfile(path)  # noqa: PTH113 - unlike Path.is_file it raises no error for a name that cannot be one

@@ -25,14 +25,15 @@ _TYPES = {
 _HEADERS = {"UInt32": "u4", "UInt64": "u8"}
 MAX_ARRAY_BYTES = 2**32
 """Largest array once it is decompressed."""
+_LZMA_MEMORY = 2**28
 
 
 def _zlib(block: bytes, size: int) -> bytes:
-    return zlib.decompressobj().decompress(block, size)
+    return zlib.decompressobj().decompress(block, size + 1)
 
 
 def _lzma(block: bytes, size: int) -> bytes:
-    return lzma.LZMADecompressor().decompress(block, size)
+    return lzma.LZMADecompressor(memlimit=_LZMA_MEMORY).decompress(block, size + 1)
 
 
 def _lz4(block: bytes, size: int) -> bytes:
