@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import fedic
 from fedic.io._mesh_file import MeshFile
-from fedic.io.mesh_parts import boundary_faces, without_repeated_cells
-from formats.gmsh_files import write_plate, write_solid
-from formats.plate import POINTS, QUADS
+from fedic.io.mesh_parts import boundary_faces, check_whole, chosen, without_repeated_cells
+from scenes.meshes.gmsh_files import write_plate, write_solid
+from scenes.meshes.plate import POINTS, QUADS
 
 
 @pytest.mark.parametrize("version", [2.2, 4.1])
@@ -127,3 +127,23 @@ def test_faces_between_solids_are_not_on_the_boundary() -> None:
     faces = boundary_faces([("hexahedron", cubes)])["quad"]
     assert len(faces) == 9
     assert sum(len(set(nodes)) == 3 for nodes in faces.tolist()) == 2
+
+
+def test_named_surfaces_that_are_cells_of_the_mesh_keep_its_sets() -> None:
+    rows = [np.arange(3)]
+    surfaces = {"cells": [("quad", QUADS[[1, 0]][:, [1, 2, 3, 0]])], "faces": [("quad", np.array([[0, 1, 9, 8]]))]}
+    contents = MeshFile(POINTS, [("quad", QUADS)], cell_sets={"lower": rows}, surfaces=surfaces)
+    part = chosen(Path("a.inp"), contents, "CELLS")
+    np.testing.assert_array_equal(part.surface_cells()["quad"], QUADS[:2])
+    assert part.sets()["lower"].cells.tolist() == [0, 1]
+    part = chosen(Path("a.inp"), contents, "faces")
+    np.testing.assert_array_equal(part.surface_cells()["quad"], [[0, 1, 9, 8]])
+    assert part.sets() == {}
+
+
+def test_a_file_that_is_not_one_mesh_is_read_only_by_parts() -> None:
+    surfaces = {"PLATE-1": [("quad", QUADS)]}
+    contents = MeshFile(POINTS, [], surfaces=surfaces, needs_selection="a.inp: choose PLATE-1.")
+    with pytest.raises(fedic.MeshError, match="choose PLATE-1"):
+        check_whole(Path("a.inp"), contents)
+    assert len(chosen(Path("a.inp"), contents, "plate-1").surface_cells()["quad"]) == 6

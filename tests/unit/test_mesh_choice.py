@@ -8,9 +8,9 @@ import pytest
 
 import fedic
 from fedic.io.meshes import split_choice
-from formats.gmsh_files import write_solid
-from formats.hdf_files import write_exodus, write_med
-from formats.plate import LEFT, POINTS, QUADS
+from scenes.meshes.gmsh_files import write_solid
+from scenes.meshes.hdf_files import write_exodus, write_med
+from scenes.meshes.plate import LEFT, POINTS, QUADS
 
 SETS = {
     "left": fedic.MeshSet(nodes=LEFT),

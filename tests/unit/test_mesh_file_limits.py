@@ -11,10 +11,10 @@ import pytest
 import fedic
 from fedic.io import meshes
 from fedic.io._reader_process import read_in_process
-from formats.gmsh_files import write_plate
-from formats.hdf_files import write_exodus, write_med, write_xdmf
-from formats.plate import POINTS
-from formats.vtk_files import write_legacy, write_vtp, write_vtu
+from scenes.meshes.gmsh_files import write_plate
+from scenes.meshes.hdf_files import write_exodus, write_med, write_xdmf
+from scenes.meshes.plate import POINTS
+from scenes.meshes.vtk_files import write_legacy, write_vtp, write_vtu
 
 HUGE = 10_000_000_000
 

@@ -34,9 +34,12 @@ class MeshFile:
     cell_sets : dict of str to list of ndarray of int
         Cells of each named set: for each block, indices in the block.
     surfaces : dict of str to list of (str, ndarray of int, shape (m, k))
-        Named faces of solids as surface cells, used only if they are chosen by name.
+        Surface cells that are no part of the mesh as a whole and can be chosen by name: named faces of solids, for
+        instance.
     parts : dict of str to list of ndarray of int
         As `cell_sets`: blocks and numbered groups, which can be chosen by name and are no sets of the mesh.
+    needs_selection : str
+        Why the file as a whole is not one mesh, and what can be chosen; empty if it is one.
     """
 
     points: NDArray[np.float64]
@@ -45,6 +48,7 @@ class MeshFile:
     cell_sets: dict[str, list[Indices]] = field(default_factory=dict)
     surfaces: dict[str, list[Block]] = field(default_factory=dict)
     parts: dict[str, list[Indices]] = field(default_factory=dict)
+    needs_selection: str = ""
 
     def surface_cells(self) -> dict[str, Indices]:
         """Return the surface cells by type, in the order in which the types first appear.

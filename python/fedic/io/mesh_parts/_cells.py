@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from fedic.io._mesh_file import Indices
+from fedic._core import CELL_TYPES
+from fedic.io._mesh_file import Block, Indices
 
-__all__ = ["corner_keys", "groups_of"]
+__all__ = ["corner_keys", "groups_of", "rows_of"]
 
 
 def corner_keys(nodes: Indices, num_corners: int, width: int) -> Indices:
@@ -51,3 +52,32 @@ def groups_of(rows: Indices) -> Indices:
     group = np.empty(len(rows), dtype=np.int64)
     group[order] = np.cumsum(starts) - 1
     return group
+
+
+def rows_of(cells: list[Block], blocks: list[Block]) -> list[Indices]:
+    """Find surface cells among those of a mesh.
+
+    Parameters
+    ----------
+    cells : list of (str, ndarray of int, shape (m, k))
+        Surface cells.
+    blocks : list of (str, ndarray of int, shape (m, k))
+        Cells of the mesh.
+
+    Returns
+    -------
+    list of ndarray of int
+        For each block, indices in the block of the cells with the same corners; none at all if one cell is not there.
+    """
+    surface = [index for index, (name, _) in enumerate(blocks) if name in CELL_TYPES]
+    tables = [*cells, *(blocks[index] for index in surface)]
+    keys = [corner_keys(nodes, CELL_TYPES[name].num_corners, width=4) for name, nodes in tables]
+    groups = np.split(
+        groups_of(np.concatenate([np.empty((0, 4), dtype=np.int64), *keys])), np.cumsum([*map(len, keys)])
+    )
+    wanted = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *groups[: len(cells)]]))
+    found = [np.empty(0, dtype=np.int64) for _ in blocks]
+    for index, group in zip(surface, groups[len(cells) : -1], strict=True):
+        found[index] = np.flatnonzero(np.isin(group, wanted))
+    there = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *groups[len(cells) :]]))
+    return found if np.isin(wanted, there).all() else [rows[:0] for rows in found]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from fedic._core import CELL_TYPES
 from fedic.errors import MeshError
 from fedic.io._mesh_file import Block, Indices, MeshFile, is_unknown_surface
+from fedic.io.mesh_parts._cells import rows_of
 from fedic.io.mesh_parts._faces import SOLIDS, boundary_faces
 from fedic.io.mesh_parts._repeated import without_repeated_cells
 
@@ -32,8 +33,10 @@ def check_whole(path: Path, contents: MeshFile) -> None:
     Raises
     ------
     MeshError
-        If there is no surface cell, or one of a type that is not measured.
+        If there is no surface cell, or one of a type that is not measured, or the file is not one mesh.
     """
+    if contents.needs_selection:
+        raise MeshError(contents.needs_selection)
     _check_types(path, contents.blocks)
     if any(map(len, contents.surface_cells().values())):
         return
@@ -125,7 +128,7 @@ class _Names:
             if any(map(len, surface)):
                 return surface
         if name in self._contents.surfaces:
-            return []
+            return rows_of(self._contents.surfaces[name], blocks)
         inside = self._nodes(name)
         if inside is None:
             return []

@@ -51,6 +51,7 @@ def without_repeated_cells(contents: MeshFile) -> MeshFile:
         {name: moved(members) for name, members in contents.cell_sets.items()},
         contents.surfaces,
         {name: moved(members) for name, members in contents.parts.items()},
+        contents.needs_selection,
     )
 
 

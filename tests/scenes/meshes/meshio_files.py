@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from formats.plate import MIXED_QUADS, POINTS, QUADS, TRIANGLES
+from scenes.meshes.plate import MIXED_QUADS, POINTS, QUADS, TRIANGLES
 
 __all__ = ["FILES", "write_two_zones"]
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from formats.plate import LEFT, MIXED_QUADS, POINTS, QUADS, TRIANGLES
+from scenes.meshes.plate import LEFT, MIXED_QUADS, POINTS, QUADS, TRIANGLES
 
 __all__ = [
     "write_exodus",

@@ -9,7 +9,7 @@ from typing import Any
 import imagecodecs
 import numpy as np
 
-from formats.plate import LEFT, MIXED_QUADS, POINTS, QUADS, TRIANGLES
+from scenes.meshes.plate import LEFT, MIXED_QUADS, POINTS, QUADS, TRIANGLES
 
 __all__ = [
     "CELLS",

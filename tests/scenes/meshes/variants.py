@@ -4,9 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from formats import gmsh_files, hdf_files, meshio_files, vtk_files
+import numpy as np
 
-__all__ = ["AREA", "VARIANTS", "Variant"]
+import fedic
+from scenes.meshes import gmsh_files, hdf_files, meshio_files, vtk_files
+
+__all__ = ["VARIANTS", "Variant", "check"]
 
 AREA = 6.0
 
@@ -46,6 +49,24 @@ class Variant:
     choice: str = ""
     refusal: str = ""
     reader: str = "fedic"
+
+    def written(self, folder: Path) -> str:
+        """Write the file, and return its path with the choice."""
+        path = folder / self.file
+        self.write(path)
+        return f"{path}#{self.choice}" if self.choice else str(path)
+
+
+def check(variant: Variant, mesh: fedic.Mesh) -> None:
+    """Check that a mesh is what a variant holds."""
+    assert {cell: len(nodes) for cell, nodes in mesh.cells.items()} == variant.cells
+    area = AREA * variant.cells["quad"] / 6 if variant.choice == "TWO" else AREA
+    np.testing.assert_allclose(mesh.areas().sum(), area, rtol=1e-6)
+    assert tuple(sorted(mesh.sets)) == variant.sets
+    for name, members in mesh.sets.items():
+        if name.lower() == "left":
+            on_the_left = (mesh.points[:, 0] == 0.0) & mesh.used_nodes
+            np.testing.assert_array_equal(members.nodes, np.flatnonzero(on_the_left))
 
 
 QUADS = {"quad": 6}

@@ -1,1 +1,0 @@
-"""Small files in many variants of the formats that fedic reads."""
