@@ -64,7 +64,10 @@ def read_with_meshio(path: Path) -> MeshFile:
     name = FORMATS[path.suffix.lower()]
     if name == "tecplot" and len(_ZONE.findall(path.read_bytes())) > 1:
         raise unreadable(path, "it has several zones; save the zone of the surface alone")
-    with _reported(f"{path}: the mesh file cannot be read", f"the file is damaged, or is no {name} file"):
+    with _reported(
+        f"{path}: the mesh file cannot be read",
+        f"the file is damaged, or of a variant of {name} that meshio does not read",
+    ):
         import meshio
 
         mesh: Any = meshio.read(path, name)

@@ -5,9 +5,9 @@ from typing import Any
 
 from fedic.errors import MeshError
 
-__all__ = ["group", "import_h5py", "numbers"]
+__all__ = ["MAX_NUMBERS", "group", "import_h5py", "numbers"]
 
-_MAX_NUMBERS = 2**29
+MAX_NUMBERS = 2**29
 """Longest array that is read."""
 
 
@@ -98,6 +98,6 @@ def numbers(parent: Any, name: str) -> Any:
         raise ValueError(f"{name!r} is no array of numbers")
     if array.is_virtual or array.external:
         raise ValueError(f"the numbers of {name!r} lie in another file, which is not read")
-    if array.size > _MAX_NUMBERS:
-        raise ValueError(f"{name!r} has {array.size} numbers, more than the {_MAX_NUMBERS} that are read")
+    if array.size > MAX_NUMBERS:
+        raise ValueError(f"{name!r} has {array.size} numbers, more than the {MAX_NUMBERS} that are read")
     return array[()]

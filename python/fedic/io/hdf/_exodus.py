@@ -9,6 +9,7 @@ import numpy as np
 from fedic._core import CELL_TYPES
 from fedic.errors import MeshError
 from fedic.io._mesh_file import Indices, MeshFile, joined, unreadable
+from fedic.io.hdf._arrays import MAX_NUMBERS
 from fedic.io.mesh_parts import SOLIDS, faces_of
 
 __all__ = ["read_exodus"]
@@ -48,8 +49,6 @@ _ORDERS = {
 }
 _SIDES = {"hexahedron": (2, 3, 4, 5, 0, 1), "tetra": (1, 2, 3, 0), "wedge": (2, 3, 4, 0, 1), "pyramid": (1, 2, 3, 4, 0)}
 """Place in `faces_of` of each side of a solid."""
-
-_MAX_NUMBERS = 2**29
 
 
 def read_exodus(path: Path) -> MeshFile:
@@ -117,8 +116,8 @@ def _read(file: Any) -> MeshFile:
 
 def _numbers(file: Any, name: str) -> Any:
     variable = file.variables[name]
-    if variable.size > _MAX_NUMBERS:
-        raise ValueError(f"{name!r} has {variable.size} numbers, more than the {_MAX_NUMBERS} that are read")
+    if variable.size > MAX_NUMBERS:
+        raise ValueError(f"{name!r} has {variable.size} numbers, more than the {MAX_NUMBERS} that are read")
     return np.asarray(variable[:])
 
 

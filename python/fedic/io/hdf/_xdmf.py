@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fedic.io._mesh_file import Block, MeshFile, unreadable
 from fedic.io._text_numbers import numbers_of
-from fedic.io.hdf._arrays import import_h5py, numbers
+from fedic.io.hdf._arrays import MAX_NUMBERS, import_h5py, numbers
 
 __all__ = ["read_xdmf"]
 
@@ -199,10 +199,14 @@ class _Reader:
         elif form == "BINARY":
             size = int(item.get("Precision") or 4)
             order = ">" if (item.get("Endian") or "").lower() == "big" else "<"
-            content = self._neighbour(text).read_bytes()[int(item.get("Seek") or 0) :]
-            if count < 0 or len(content) < count * size:
+            if not 0 <= count <= MAX_NUMBERS:
+                raise ValueError(f"an array declares {count} numbers, more than the {MAX_NUMBERS} that are read")
+            with self._neighbour(text).open("rb") as file:
+                file.seek(int(item.get("Seek") or 0))
+                content = file.read(count * size)
+            if len(content) < count * size:
                 raise ValueError(f"the file {text!r} is too short for {count} numbers")
-            values = np.frombuffer(content[: count * size], f"{order}{_NUMBERS.get(kind, 'i')}{size}")
+            values = np.frombuffer(content, f"{order}{_NUMBERS.get(kind, 'i')}{size}")
         else:
             raise ValueError(f"the format {form!r} of an array is unknown")
         if shape and values.size != count:
