@@ -110,7 +110,7 @@ def write_with_meshio(
     node_sets: Mapping[str, NDArray[np.int64]],
     cell_sets: Mapping[str, NDArray[np.int64]],
 ) -> None:
-    """Write a mesh in any format of meshio, with named sets in Abaqus files and with fields ``set:NAME`` in others.
+    """Write a mesh in any format of meshio, with named sets in Abaqus and MED files, and fields ``set:NAME`` in others.
 
     Parameters
     ----------
@@ -134,28 +134,42 @@ def write_with_meshio(
         import meshio
 
         splits = np.cumsum([len(nodes) for nodes in cells.values()])[:-1]
-        arrays: dict[str, Any]
+        num_cells = sum(len(nodes) for nodes in cells.values())
+        mesh = meshio.Mesh(points, list(cells.items()))
         if path.suffix.lower() == ".inp":
             starts = [0, *splits]
             by_block = {name: np.split(rows, np.searchsorted(rows, splits)) for name, rows in cell_sets.items()}
-            arrays = {
-                "point_sets": dict(node_sets),
-                "cell_sets": {
-                    name: [rows - start for rows, start in zip(members, starts, strict=True)]
-                    for name, members in by_block.items()
-                },
+            mesh.point_sets = dict(node_sets)
+            mesh.cell_sets = {
+                name: [rows - start for rows, start in zip(members, starts, strict=True)]
+                for name, members in by_block.items()
             }
+        elif path.suffix.lower() == ".med":
+            tags, mesh.point_tags = _families(node_sets, len(points))
+            mesh.point_data = {"point_tags": tags}
+            tags, mesh.cell_tags = _families(cell_sets, num_cells)
+            mesh.cell_data = {"cell_tags": np.split(-tags, splits)}
+            mesh.cell_tags = {-tag: names for tag, names in mesh.cell_tags.items()}
         else:
-            num_cells = sum(len(nodes) for nodes in cells.values())
-            arrays = {
-                "point_data": {SET_PREFIX + name: membership(rows, len(points)) for name, rows in node_sets.items()},
-                "cell_data": {
-                    SET_PREFIX + name: np.split(membership(rows, num_cells), splits) for name, rows in cell_sets.items()
-                },
+            mesh.point_data = {SET_PREFIX + name: membership(rows, len(points)) for name, rows in node_sets.items()}
+            mesh.cell_data = {
+                SET_PREFIX + name: np.split(membership(rows, num_cells), splits) for name, rows in cell_sets.items()
             }
         # Two programs use this suffix, and meshio writes several cell types only in version 2.2 of Gmsh's format.
         file_format = "gmsh22" if path.suffix.lower() == ".msh" else None
-        meshio.write(path, meshio.Mesh(points, list(cells.items()), **arrays), file_format)
+        meshio.write(path, mesh, file_format)
+
+
+def _families(sets: Mapping[str, NDArray[np.int64]], count: int) -> tuple[NDArray[np.int64], dict[int, list[str]]]:
+    """Return MED's families: the number of that of each node or cell, and the names of the sets of each family."""
+    if not sets:
+        return np.zeros(count, dtype=np.int64), {}
+    members = np.stack([membership(rows, count) for rows in sets.values()])
+    kinds, family = np.unique(members, axis=1, return_inverse=True)
+    number = np.cumsum(kinds.any(axis=0)) * kinds.any(axis=0)
+    names = list(sets)
+    named = {int(number[k]): [names[i] for i in np.flatnonzero(kinds[:, k])] for k in np.flatnonzero(number)}
+    return number[family.ravel()], named
 
 
 def membership(members: NDArray[np.int64], count: int) -> NDArray[np.int64]:

@@ -29,8 +29,9 @@ def numbers_of(words: Sequence[str] | Sequence[bytes], kind: type[np.float64] | 
     ValueError
         If a word is no number of that kind; the message names it.
     """
+    spell = float if kind is np.float64 else int
     try:
-        return np.array(words).astype(kind)
+        return np.fromiter(map(spell, words), kind, len(words))
     except (ValueError, OverflowError) as error:
         wrong = next((word for word in words if not _is_number(word, kind)), words[0])
         text = wrong.decode("utf-8", "replace") if isinstance(wrong, bytes) else wrong
@@ -40,7 +41,7 @@ def numbers_of(words: Sequence[str] | Sequence[bytes], kind: type[np.float64] | 
 
 def _is_number(word: str | bytes, kind: type[np.float64] | type[np.int64]) -> bool:
     try:
-        np.array([word]).astype(kind)
+        kind(float(word) if kind is np.float64 else int(word))
     except (ValueError, OverflowError):
         return False
     return True

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from fedic.io._mesh_file import Indices, MeshFile, unreadable
 from fedic.io.msh._fields import read_set_fields
 from fedic.io.msh._numbers import Numbers
+from fedic.io.msh._sections import Sections
 from fedic.io.msh._tables import Elements, read_elements, read_elements_2, read_entities, read_nodes
 
 __all__ = ["read_msh"]
 
 _SAVE = "save it in Gmsh as version 4.1 or 2.2"
+_START_OF_FILE = 1000
 _NAME = re.compile(rb'\s*(\d+)\s+(-?\d+)\s+"(.*)"\s*')
 
 
@@ -48,41 +50,40 @@ def read_msh(path: Path) -> MeshFile:
 
 
 def _read(content: bytes) -> MeshFile:
-    version, binary, order = _format(content)
+    if b"$NOD" in content[:_START_OF_FILE] and b"$MeshFormat" not in content[:_START_OF_FILE]:
+        raise ValueError(f"it is of version 1 of Gmsh's format; {_SAVE}")
+    sections = Sections(content)
+    if "MeshFormat" not in sections:
+        raise ValueError("it is no mesh file of Gmsh: the section $MeshFormat is missing")
+    version, binary, order = _format(sections.one("MeshFormat"))
 
     def numbers(section: str) -> Numbers:
-        return Numbers(_section(content, section) or b"", binary, order, f"${section}")
+        return Numbers(sections.one(section), binary, order, f"${section}")
 
     if version == "2":
-        tags, points = _nodes_2(content, binary, order)
-        count, rest = _counted(content, "Elements")
+        tags, points = _nodes_2(sections, binary, order)
+        count, rest = sections.counted("Elements")
         elements = read_elements_2(Numbers(rest, binary, order, "$Elements"), count, binary)
     else:
-        partitioned = _section(content, "PartitionedEntities") is not None
         of_entity = {}
-        if partitioned:
+        if "PartitionedEntities" in sections:
             of_entity = read_entities(numbers("PartitionedEntities"), version, partitioned=True)
-        elif _section(content, "Entities") is not None:
+        elif "Entities" in sections:
             of_entity = read_entities(numbers("Entities"), version, partitioned=False)
         tags, points = read_nodes(numbers("Nodes"), version)
         elements = read_elements(numbers("Elements"), version, of_entity)
     blocks = _blocks(elements, tags, points)
-    cell_sets, parts = _sets(elements, _names(content))
-    of_nodes, of_elements = read_set_fields(content, binary, order)
+    cell_sets, parts = _sets(elements, _names(sections))
+    of_nodes, of_elements = read_set_fields(sections, binary, order)
     node_sets = {name: np.flatnonzero(np.isin(tags, members)) for name, members in of_nodes.items()}
     for name, members in of_elements.items():
         cell_sets[name] = [np.flatnonzero(np.isin(each.labels, members)) for each in elements]
     return MeshFile(points, blocks, node_sets, cell_sets, parts=parts)
 
 
-def _format(content: bytes) -> tuple[str, bool, str]:
+def _format(section: bytes) -> tuple[str, bool, str]:
     """Return the version, whether the file is binary, and its byte order."""
-    if b"$NOD" in content[:1000]:
-        raise ValueError(f"it is of version 1 of Gmsh's format; {_SAVE}")
-    body = _section(content, "MeshFormat")
-    if body is None:
-        raise ValueError("it is no mesh file of Gmsh: the section $MeshFormat is missing")
-    first, _, rest = body.lstrip().partition(b"\n")
+    first, _, rest = section.lstrip().partition(b"\n")
     fields = first.split()
     version = fields[0].decode("ascii", "replace") if fields else ""
     known = {"2": "2", "2.0": "2", "2.1": "2", "2.2": "2", "4": "4.0", "4.0": "4.0", "4.1": "4.1"}
@@ -95,35 +96,12 @@ def _format(content: bytes) -> tuple[str, bool, str]:
     return known[version], True, "<" if rest[:4] == b"\x01\x00\x00\x00" else ">"
 
 
-def _section(content: bytes, name: str) -> bytes | None:
-    """Return what stands between ``$NAME`` and ``$EndNAME``; None if there is no such section."""
-    start = re.search(rb"(?m)^\$" + name.encode() + rb"[ \t]*\r?\n", content)
-    if start is None:
-        return None
-    end = content.find(b"$End" + name.encode(), start.end())
-    if end < 0:
-        raise ValueError(f"the section ${name} has no end; the file is damaged")
-    return content[start.end() : end]
-
-
-def _counted(content: bytes, name: str) -> tuple[int, bytes]:
-    """Return the number in the first line of a section of version 2, and the rest."""
-    section = _section(content, name)
-    if section is None:
-        raise ValueError(f"the section ${name} is missing")
-    first, _, rest = section.partition(b"\n")
-    try:
-        return int(first), rest
-    except ValueError as error:
-        raise ValueError(f"the section ${name} does not begin with a number; the file is damaged") from error
-
-
-def _nodes_2(content: bytes, binary: bool, order: str) -> tuple[Indices, NDArray[np.float64]]:
-    if _section(content, "ParametricNodes") is None:
-        count, rest = _counted(content, "Nodes")
+def _nodes_2(sections: Sections, binary: bool, order: str) -> tuple[Indices, NDArray[np.float64]]:
+    if "ParametricNodes" not in sections:
+        count, rest = sections.counted("Nodes")
         tags, points = Numbers(rest, binary, order, "$Nodes").records(count, ("int", 1), ("double", 3))
         return tags[:, 0], points
-    count, rest = _counted(content, "ParametricNodes")
+    count, rest = sections.counted("ParametricNodes")
     numbers = Numbers(rest, binary, order, "$ParametricNodes")
     all_tags, places = [], []
     for _ in range(count):
@@ -134,9 +112,9 @@ def _nodes_2(content: bytes, binary: bool, order: str) -> tuple[Indices, NDArray
     return np.array(all_tags, dtype=np.int64).reshape(-1), np.array(places, dtype=np.float64).reshape(-1, 3)
 
 
-def _names(content: bytes) -> dict[tuple[int, int], str]:
+def _names(sections: Sections) -> dict[tuple[int, int], str]:
     """Return the names of the physical groups by dimension and number."""
-    lines = (_section(content, "PhysicalNames") or b"").splitlines()[1:]
+    lines = [line for section in sections.all("PhysicalNames") for line in section.splitlines()[1:]]
     found = (_NAME.fullmatch(line) for line in lines)
     return {(int(m[1]), abs(int(m[2]))): m[3].decode("utf-8", "replace") for m in found if m is not None}
 
