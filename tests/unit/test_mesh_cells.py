@@ -23,6 +23,11 @@ def test_a_surface_in_two_groups_is_read_once_and_stays_in_both(tmp_path: Path, 
         np.testing.assert_array_equal(mesh.sets[name].cells, np.arange(6))
 
 
+def test_faces_between_partitions_of_a_solid_are_left_out(tmp_path: Path) -> None:
+    write_solid(tmp_path / "solid.msh", partitions=3)
+    assert fedic.read_mesh(tmp_path / "solid.msh").areas().sum() == pytest.approx(22.0)
+
+
 @pytest.mark.parametrize(
     ("second", "kept"),
     [

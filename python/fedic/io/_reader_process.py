@@ -1,13 +1,11 @@
 """Reading of mesh files in a process of its own.
 
-Some libraries never end on a damaged file, or end the whole process. Run as ``python -m fedic.io._reader_process READER
-FILE FOLDER``, this reads the file and leaves the contents or a message in the folder.
+Some libraries never end on a damaged file, or end the whole process.
 """
 
 import contextlib
 import io
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -22,7 +20,7 @@ from numpy.typing import NDArray
 from fedic.errors import MeshError
 from fedic.io._mesh_file import MeshFile, unreadable
 
-__all__ = ["read_in_process"]
+__all__ = ["read_in_folder", "read_in_process"]
 
 _READERS = {
     "exodus": ("fedic.io.hdf", "read_exodus"),
@@ -30,6 +28,10 @@ _READERS = {
     "meshio": ("fedic.io._meshio", "read_with_meshio"),
     "xdmf": ("fedic.io.hdf", "read_xdmf"),
 }
+_PROGRAM = (
+    "import sys; sys.path[:] = sys.argv[4:]; from fedic.io._reader_process import read_in_folder; "
+    "read_in_folder(*sys.argv[1:4])"
+)
 _SECONDS, _SECONDS_PER_MEGABYTE = 20.0, 1.0
 _BYTES, _BYTES_PER_BYTE = 4 * 2**30, 50
 """Limits of time and memory of the process: for any file, and for each byte of it."""
@@ -58,11 +60,10 @@ def read_in_process(reader: str, path: Path, seconds: float | None = None) -> Me
         If the file cannot be read, or not within the limits.
     """
     limit = _SECONDS + _SECONDS_PER_MEGABYTE * path.stat().st_size / 2**20 if seconds is None else seconds
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     with tempfile.TemporaryDirectory(prefix="fedic-") as folder:
-        command = [sys.executable, "-m", "fedic.io._reader_process", reader, str(path.resolve()), folder]
+        command = [sys.executable, "-c", _PROGRAM, reader, str(path.resolve()), folder, *sys.path]
         try:
-            ended = subprocess.run(command, env=environment, capture_output=True, timeout=limit, check=False)
+            ended = subprocess.run(command, capture_output=True, timeout=limit, check=False)
         except subprocess.TimeoutExpired as error:
             raise unreadable(path, f"the library did not read it within {limit:.0f} s; the file is damaged") from error
         except OSError as error:
@@ -119,7 +120,14 @@ def _limit_memory(path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
 
 
-def _main(reader: str, file: str, folder: str) -> None:
+def read_in_folder(reader: str, file: str, folder: str) -> None:
+    """Read a mesh file, and leave the contents or a message in a folder: what the other process does.
+
+    Parameters
+    ----------
+    reader, file, folder : str
+        Name of the reader and paths.
+    """
     path = Path(file)
     _limit_memory(path)
     module, function = _READERS[reader]
@@ -131,7 +139,3 @@ def _main(reader: str, file: str, folder: str) -> None:
         _save(Path(folder, "contents.npz"), contents)
     except MeshError as error:
         Path(folder, "message.txt").write_text(str(error), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    _main(*sys.argv[1:])

@@ -71,8 +71,10 @@ def write_third_order(path: Path) -> None:
         gmsh.write(str(path))
 
 
-def write_solid(path: Path, element_order: int = 1, incomplete: bool = False, groups: bool = True) -> None:
-    """Write a plate of hexahedra; without groups the file holds no surface cells."""
+def write_solid(
+    path: Path, element_order: int = 1, incomplete: bool = False, groups: bool = True, partitions: int = 0
+) -> None:
+    """Write a plate of hexahedra; without groups the file holds no surface cells, with partitions it holds all."""
     with _session({"ElementOrder": element_order, "SecondOrderIncomplete": incomplete}) as gmsh:
         surface = _mesh_rectangle(gmsh)
         (_, top), (_, volume), *_ = gmsh.model.occ.extrude([(2, surface)], 0, 0, 1, numElements=[2], recombine=True)
@@ -81,6 +83,9 @@ def write_solid(path: Path, element_order: int = 1, incomplete: bool = False, gr
         if groups:
             gmsh.model.addPhysicalGroup(2, [top], 5, "TOP")
         gmsh.model.mesh.generate(3)
+        if partitions:
+            gmsh.model.mesh.partition(partitions)
+            gmsh.option.setNumber("Mesh.SaveAll", 1)
         gmsh.write(str(path))
 
 

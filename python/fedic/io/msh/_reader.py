@@ -65,7 +65,7 @@ def _read(content: bytes) -> MeshFile:
         count, rest = sections.counted("Elements")
         elements = read_elements_2(Numbers(rest, binary, order, "$Elements"), count, binary)
     else:
-        of_entity = {}
+        of_entity: dict[tuple[int, int], list[int] | None] = {}
         if "PartitionedEntities" in sections:
             of_entity = read_entities(numbers("PartitionedEntities"), version, partitioned=True)
         elif "Entities" in sections:

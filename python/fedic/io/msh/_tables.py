@@ -38,8 +38,8 @@ class Elements:
     groups: list[Indices] = field(default_factory=list)
 
 
-def read_entities(numbers: Numbers, version: str, partitioned: bool) -> dict[tuple[int, int], list[int]]:
-    """Return the physical groups of each entity, by its dimension and tag.
+def read_entities(numbers: Numbers, version: str, partitioned: bool) -> dict[tuple[int, int], list[int] | None]:
+    """Return the physical groups of each entity by dimension and tag; None for faces between partitions of a solid.
 
     Parameters
     ----------
@@ -52,10 +52,10 @@ def read_entities(numbers: Numbers, version: str, partitioned: bool) -> dict[tup
 
     Returns
     -------
-    dict of (int, int) to list of int
+    dict of (int, int) to list of int or None
         The groups.
     """
-    of_entity = {}
+    of_entity: dict[tuple[int, int], list[int] | None] = {}
     if partitioned:
         numbers.one("size" if version == "4.1" else "int")
         ghosts = numbers.one("size" if version == "4.1" else "int")
@@ -64,12 +64,14 @@ def read_entities(numbers: Numbers, version: str, partitioned: bool) -> dict[tup
     for dimension, count in enumerate(counts):
         for _ in range(count):
             tag = numbers.one("int")
+            parent = dimension
             if partitioned:
-                numbers.take("int", 2)
+                parent = int(numbers.take("int", 2)[0])
                 numbers.take("int", numbers.one("size" if version == "4.1" else "int"))
             numbers.take("double", 3 if version == "4.1" and dimension == 0 else 6)
             groups = numbers.take("int", numbers.one("size"))
-            of_entity[dimension, tag] = [abs(int(group)) for group in groups]
+            inside = dimension == 2 and parent == 3
+            of_entity[dimension, tag] = None if inside else [abs(int(group)) for group in groups]
             if dimension > 0:
                 numbers.take("int", numbers.one("size"))
     return of_entity
@@ -110,7 +112,7 @@ def read_nodes(numbers: Numbers, version: str) -> tuple[Indices, NDArray[np.floa
     return np.concatenate(tags), np.concatenate(points)
 
 
-def read_elements(numbers: Numbers, version: str, of_entity: dict[tuple[int, int], list[int]]) -> list[Elements]:
+def read_elements(numbers: Numbers, version: str, of_entity: dict[tuple[int, int], list[int] | None]) -> list[Elements]:
     """Return the elements in version 4.
 
     Parameters
@@ -119,13 +121,13 @@ def read_elements(numbers: Numbers, version: str, of_entity: dict[tuple[int, int
         The section ``$Elements``.
     version : str
         ``"4.0"`` or ``"4.1"``.
-    of_entity : dict of (int, int) to list of int
+    of_entity : dict of (int, int) to list of int or None
         Physical groups of the entities.
 
     Returns
     -------
     list of Elements
-        One for each block of the file.
+        One for each block of the file, without faces between partitions of a solid.
     """
     num_blocks = numbers.one("size")
     numbers.take("size", 3 if version == "4.1" else 1)
@@ -136,8 +138,10 @@ def read_elements(numbers: Numbers, version: str, of_entity: dict[tuple[int, int
         element = _element(code)
         count = numbers.one("size")
         rows = numbers.take("size" if version == "4.1" else "int", count, 1 + element.num_nodes)
-        groups = [np.full(count, group) for group in of_entity.get((dimension, entity), [])]
-        found.append(Elements(element, rows[:, 0], rows[:, 1:], np.full(count, entity), groups))
+        groups = of_entity.get((dimension, entity), [])
+        if groups is not None:
+            of_rows = [np.full(count, group) for group in groups]
+            found.append(Elements(element, rows[:, 0], rows[:, 1:], np.full(count, entity), of_rows))
     return found
 
 
