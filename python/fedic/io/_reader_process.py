@@ -32,6 +32,7 @@ _PROGRAM = (
     "import sys; sys.path[:] = sys.argv[4:]; from fedic.io._reader_process import read_in_folder; "
     "read_in_folder(*sys.argv[1:4])"
 )
+_BESIDE = dict.fromkeys((".xdmf", ".xmf"), (".h5", ".hdf5", ".bin"))
 _SECONDS, _SECONDS_PER_MEGABYTE = 20.0, 1.0
 _BYTES, _BYTES_PER_BYTE = 4 * 2**30, 50
 """Limits of time and memory of the process: for any file, and for each byte of it."""
@@ -59,13 +60,15 @@ def read_in_process(reader: str, path: Path, seconds: float | None = None) -> Me
     MeshError
         If the file cannot be read, or not within the limits.
     """
-    limit = _SECONDS + _SECONDS_PER_MEGABYTE * path.stat().st_size / 2**20 if seconds is None else seconds
+    limit = _SECONDS + _SECONDS_PER_MEGABYTE * _size(path) / 2**20 if seconds is None else seconds
     with tempfile.TemporaryDirectory(prefix="fedic-") as folder:
         command = [sys.executable, "-c", _PROGRAM, reader, str(path.resolve()), folder, *sys.path]
         try:
             ended = subprocess.run(command, capture_output=True, timeout=limit, check=False)
         except subprocess.TimeoutExpired as error:
-            raise unreadable(path, f"the library did not read it within {limit:.0f} s; the file is damaged") from error
+            raise unreadable(
+                path, f"the library did not read it within {limit:.0f} s; the file is likely damaged"
+            ) from error
         except OSError as error:
             raise unreadable(path, f"Python cannot be started for it: {error}") from error
         message, result = Path(folder, "message.txt"), Path(folder, "contents.npz")
@@ -109,12 +112,18 @@ def _load(file: Path) -> MeshFile:
         )
 
 
+def _size(path: Path) -> int:
+    """Return the size of a file, and for XDMF of the files beside it that may hold its numbers."""
+    beside = [each for each in path.parent.iterdir() if each.suffix.lower() in _BESIDE.get(path.suffix.lower(), ())]
+    return sum(each.stat().st_size for each in [path, *beside] if each.is_file())
+
+
 def _limit_memory(path: Path) -> None:
     try:
         import resource
     except ImportError:  # on Windows
         return
-    limit = _BYTES + _BYTES_PER_BYTE * path.stat().st_size
+    limit = _BYTES + _BYTES_PER_BYTE * _size(path)
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     with contextlib.suppress(ValueError, OSError):  # a lower limit is set already
         resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
