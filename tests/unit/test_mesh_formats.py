@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 import fedic
-from scenes.meshes.variants import VARIANTS, Variant, check
+from scenes.meshes.variant import Variant, check
+from scenes.meshes.variants import VARIANTS
 
 
 @pytest.mark.filterwarnings("default::fedic.QualityWarning")

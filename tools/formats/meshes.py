@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import fedic
-from scenes.meshes.variants import VARIANTS, Variant, check
+from scenes.meshes.variant import Variant, check
+from scenes.meshes.variants import VARIANTS
 
 TITLE = "Meshes"
 COLUMNS = ("format", "variant", "outcome", "by")

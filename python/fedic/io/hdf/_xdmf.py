@@ -8,35 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic.io._mesh_file import Block, MeshFile, unreadable
+from fedic.io._meshio import SET_PREFIX
 from fedic.io._text_numbers import numbers_of
 from fedic.io.hdf._arrays import MAX_NUMBERS, import_h5py, numbers
+from fedic.io.hdf._topologies import OF_NODES, SHORT, TOPOLOGIES, mixed_blocks
 
 __all__ = ["read_xdmf"]
 
-_SET_PREFIX = "set:"
-_TYPES = {
-    "triangle": ("triangle", 3, 0x4),
-    "quadrilateral": ("quad", 4, 0x5),
-    "tetrahedron": ("tetra", 4, 0x6),
-    "pyramid": ("pyramid", 5, 0x7),
-    "wedge": ("wedge", 6, 0x8),
-    "hexahedron": ("hexahedron", 8, 0x9),
-    "edge_3": ("line3", 3, 0x22),
-    "quadrilateral_9": ("quad9", 9, 0x23),
-    "triangle_6": ("triangle6", 6, 0x24),
-    "quadrilateral_8": ("quad8", 8, 0x25),
-    "tetrahedron_10": ("tetra10", 10, 0x26),
-    "pyramid_13": ("pyramid13", 13, 0x27),
-    "wedge_15": ("wedge15", 15, 0x28),
-    "wedge_18": ("wedge18", 18, 0x29),
-    "hexahedron_20": ("hexahedron20", 20, 0x30),
-    "hexahedron_27": ("hexahedron27", 27, 0x32),
-}
-"""Topologies: name and number of nodes of the cells, and number in a mixed topology."""
-
-_SHORT = {"tri": "triangle", "quad": "quadrilateral", "tet": "tetrahedron", "pyr": "pyramid", "hex": "hexahedron"}
-_OF_NODES = {"polyvertex": {1: "vertex"}, "polyline": {2: "line"}, "polygon": {3: "triangle", 4: "quad"}}
-_MIXED_OF_NODES = {1: "polyvertex", 2: "polyline", 3: "polygon"}
 _NUMBERS = {"float": "f", "int": "i", "uint": "u", "char": "i", "uchar": "u", "short": "i"}
 _MAX_DEPTH = 8
 
@@ -102,9 +80,9 @@ class _Reader:
                 contents.cell_sets[each.get("Name", "")] = by_block(members)
         for each in grid.findall("Attribute"):
             name, centre = each.get("Name", ""), each.get("Center", "").lower()
-            if name.startswith(_SET_PREFIX) and centre in ("node", "cell"):
+            if name.startswith(SET_PREFIX) and centre in ("node", "cell"):
                 members = np.flatnonzero(self._item(self._part(each, "DataItem")).ravel())
-                name = name.removeprefix(_SET_PREFIX)
+                name = name.removeprefix(SET_PREFIX)
                 if centre == "node":
                     contents.node_sets[name] = members
                 else:
@@ -162,15 +140,15 @@ class _Reader:
         kind = (topology.get("TopologyType") or topology.get("Type") or "").lower()
         values = self._item(self._part(topology, "DataItem")).ravel().astype(np.int64)
         if kind == "mixed":
-            return _mixed(values)
+            return mixed_blocks(values)
         first, _, order = kind.partition("_")
-        kind = "_".join(filter(None, [_SHORT.get(first, first), order]))
-        if kind in _TYPES:
-            name, size, _ = _TYPES[kind]
-        elif kind in _OF_NODES:
+        kind = "_".join(filter(None, [SHORT.get(first, first), order]))
+        if kind in TOPOLOGIES:
+            name, size, _ = TOPOLOGIES[kind]
+        elif kind in OF_NODES:
             size = int(topology.get("NodesPerElement") or topology.get("NumberOfNodesPerElement") or 0)
             size = size or {"polyvertex": 1, "polyline": 2}.get(kind, 0)
-            name = _OF_NODES[kind].get(size, f"{kind} of {size} nodes")
+            name = OF_NODES[kind].get(size, f"{kind} of {size} nodes")
         else:
             raise ValueError(f"the topology {kind!r} is not read; save triangles and quadrilaterals")
         if size < 1 or values.size % size:
@@ -218,36 +196,3 @@ class _Reader:
         if not file.is_file():
             raise ValueError(f"it needs the file {name!r}, which does not exist")
         return file
-
-
-def _mixed(values: NDArray[np.int64]) -> tuple[list[Block], NDArray[np.int64]]:
-    """Return the cells of a mixed topology by type, and the number in the file of each of them."""
-    codes = {code: (name, size) for name, size, code in _TYPES.values()}
-    items = values.tolist()
-    found: dict[tuple[str, int], tuple[list[int], list[int]]] = {}
-    place = number = 0
-    while place < len(items):
-        code = items[place]
-        place += 1
-        if code in _MIXED_OF_NODES:
-            kind = _MIXED_OF_NODES[code]
-            size = items[place] if place < len(items) else 0
-            name = _OF_NODES[kind].get(size, f"{kind} of {size} nodes")
-            place += 1
-        elif code in codes:
-            name, size = codes[code]
-        else:
-            raise ValueError(f"cells of number {code} in a mixed topology are not read")
-        if size < 1 or place + size > len(items):
-            raise ValueError("the mixed topology ends before the nodes of its last cell; the file is damaged")
-        starts, numbers_ = found.setdefault((name, size), ([], []))
-        starts.append(place)
-        numbers_.append(number)
-        place += size
-        number += 1
-    blocks = [
-        (name, values[np.add.outer(np.array(starts, dtype=np.int64), np.arange(size))])
-        for (name, size), (starts, _) in found.items()
-    ]
-    order = [np.array(numbers_, dtype=np.int64) for _, numbers_ in found.values()]
-    return blocks, np.concatenate([np.empty(0, dtype=np.int64), *order])
