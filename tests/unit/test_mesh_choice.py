@@ -61,6 +61,8 @@ def test_an_unknown_name_is_refused_with_the_names_of_the_file(plate: Path) -> N
         fedic.read_mesh(f"{plate}#FIRST")
     with pytest.raises(fedic.MeshError, match="nothing follows the '#'"):
         fedic.read_mesh(f"{plate}#")
+    with pytest.raises(fedic.MeshError, match="nothing named 'z-max'"):
+        fedic.read_mesh(f"{plate}#z-max")  # the plate is flat
     with pytest.raises(fedic.MeshError, match=r"none\.vtu: there is no such mesh file"):
         fedic.read_mesh(plate.with_name("none.vtu#First"))
 

@@ -108,9 +108,9 @@ class _Names:
     def __init__(self, contents: MeshFile) -> None:
         self._contents = contents
         self._boundary: list[Block] | None = None
-        sides = [f"{axis}-{end}" for axis in "xyz"[: contents.points.shape[1]] for end in ("min", "max")]
         named = [*contents.cell_sets, *contents.parts, *contents.surfaces, *contents.node_sets]
-        self._sides = [side for side in sides if side not in named] if self._used_nodes() else []
+        self._used = contents.points[_nodes_of_faces(contents.blocks)]
+        self._sides = [side for side in _sides(self._used) if side not in named]
         self._names = list(dict.fromkeys([*named, *self._sides]))
 
     def matching(self, name: str) -> list[str]:
@@ -184,16 +184,28 @@ class _Names:
             return inside
         if name not in self._sides:
             return None
-        used = points[self._used_nodes()]
         axis = "xyz".index(name[0])
-        side = used[:, axis].min() if name.endswith("min") else used[:, axis].max()
-        size = float(np.ptp(used, axis=0).max())
-        return np.asarray(np.abs(points[:, axis] - side) <= _PLANE_TOLERANCE * size)
+        side = self._used[:, axis].min() if name.endswith("min") else self._used[:, axis].max()
+        return np.asarray(np.abs(points[:, axis] - side) <= _PLANE_TOLERANCE * _size(self._used))
 
-    def _used_nodes(self) -> list[int]:
-        """Return the nodes of the surface cells and solids."""
-        wanted = [nodes.ravel() for cell, nodes in self._contents.blocks if _is_surface(cell) or cell in SOLIDS]
-        return list(np.unique(np.concatenate(wanted))) if wanted else []
+
+def _nodes_of_faces(blocks: list[Block]) -> Indices:
+    """Return the nodes of the surface cells and solids."""
+    wanted = [nodes.ravel() for cell, nodes in blocks if _is_surface(cell) or cell in SOLIDS]
+    return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *wanted]))
+
+
+def _size(points: NDArray[np.float64]) -> float:
+    return float(np.ptp(points, axis=0).max())
+
+
+def _sides(points: NDArray[np.float64]) -> list[str]:
+    """Return the names of the sides of the bounding box, without those of a direction in which it is flat."""
+    if not len(points):
+        return []
+    extents = np.ptp(points, axis=0) > _PLANE_TOLERANCE * _size(points)
+    axes = [axis for axis, is_wide in zip("xyz", extents, strict=False) if is_wide]
+    return [f"{axis}-{end}" for axis in axes for end in ("min", "max")]
 
 
 def _is_surface(cell: str) -> bool:
