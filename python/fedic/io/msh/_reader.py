@@ -1,7 +1,7 @@
 """Reader of Gmsh's mesh files.
 
-meshio's reader refuses version 4.0, and files of version 4.1 that hold entities without a physical group, partitions or
-parameters of the nodes; of an entity that is in several physical groups it keeps one.
+meshio 5.3 refuses version 4.0 as Gmsh 4.15 writes it, files of version 4.1 with entities outside all physical groups or
+with partitions, and nodes with parameters in all versions.
 """
 
 import re
