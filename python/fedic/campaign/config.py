@@ -43,7 +43,7 @@ from fedic.cameras.schema import (
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
 from fedic.io.images import image_stem, split_page
-from fedic.io.meshes import read_mesh
+from fedic.io.meshes import read_mesh, split_choice
 from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
 
@@ -256,9 +256,10 @@ def _check_files(path: Path, config: Config) -> None:
             raise ImageError(f"{path}: images.{key} names {image}, which does not exist.")
         if not file.is_file():
             raise ImageError(f"{path}: images.{key} names {image}, which is not a regular file.")
-    mesh = config.mesh.file
-    if mesh is not None and not mesh.is_file():
-        raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
+    if config.mesh.file is not None:
+        mesh, _ = split_choice(config.mesh.file)
+        if not mesh.is_file():
+            raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
     if isinstance(config.camera, CameraFileSection):
         if not config.camera.file.is_file():
             raise CameraError(f"{path}: camera.file names {config.camera.file}, which does not exist.")
