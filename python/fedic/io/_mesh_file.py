@@ -21,17 +21,25 @@ class MeshFile:
     points : ndarray, shape (n, 2) or (n, 3)
         Nodes in the order of the file.
     blocks : list of (str, ndarray of int, shape (m, k))
-        Cells of one type each, surface cells under their name in `CELL_TYPES`, others under any other name.
+        Cells of one type each: surface cells under their name in `CELL_TYPES`, lines and volumes under their name in
+        meshio (``"line"``, ``"tetra10"``, ``"hexahedron20"``), others under any other name.
     node_sets : dict of str to ndarray of int
         Nodes of each named set.
     cell_sets : dict of str to list of ndarray of int
         Cells of each named set: for each block, indices in the block.
+    surfaces : dict of str to list of (str, ndarray of int, shape (m, k))
+        Surface cells that are no part of the mesh as a whole and can be selected by name: named faces of solids, rigid
+        parts, and other names of what the mesh holds.
+    needs_selection : str
+        Why the file as a whole is not one mesh, and what can be selected; empty if it is one.
     """
 
     points: NDArray[np.float64]
     blocks: list[tuple[str, Indices]]
     node_sets: dict[str, Indices] = field(default_factory=dict)
     cell_sets: dict[str, list[Indices]] = field(default_factory=dict)
+    surfaces: dict[str, list[tuple[str, Indices]]] = field(default_factory=dict)
+    needs_selection: str = ""
 
     def surface_cells(self) -> dict[str, Indices]:
         """Return the surface cells by type, in the order in which the types first appear.

@@ -7,8 +7,8 @@ import numpy as np
 from fedic._core import CELL_TYPES, Mesh
 from fedic._internal.types import StrPath
 from fedic.errors import MeshError
-from fedic.io._abaqus import read_abaqus
 from fedic.io._meshio import read_with_meshio
+from fedic.io.abaqus import read_abaqus
 
 __all__ = ["read_mesh"]
 

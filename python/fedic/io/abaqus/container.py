@@ -1,0 +1,143 @@
+"""A part, an instance or an assembly of an Abaqus model while it is read."""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from fedic.io._coordinates import Array, System
+from fedic.io._labelled_mesh import LabelledMesh, Labels
+from fedic.io.abaqus.lines import Line
+
+__all__ = ["MAX_GENERATED", "Container", "SetBlock", "SurfaceBlock", "generated"]
+
+MAX_GENERATED = 5_000_000
+"""Largest number of nodes or elements that one keyword may generate."""
+
+
+class SurfaceBlock(NamedTuple):
+    """One ``*SURFACE``: element sets or elements with the names of their faces."""
+
+    name: str
+    line: Line
+    faces: list[tuple[str, str]]
+    outer: bool = False
+
+
+@dataclass
+class SetBlock:
+    """One ``*NSET`` or ``*ELSET`` block, or the set that another keyword names.
+
+    Attributes
+    ----------
+    kind : str
+        ``"node"`` or ``"element"``.
+    name : str
+        Name of the set.
+    line : Line
+        Where it is defined.
+    items : list of ndarray of int, range or str
+        Numbers, and names of other sets.
+    of_elements : str
+        Element set whose nodes make the node set.
+    instance : str
+        In a set of the assembly, the instance whose numbers and sets are meant, in capitals.
+    outer : bool
+        True for sets of the assembly.
+    unsorted : bool
+        True if the members keep the order in which they are given.
+    """
+
+    kind: str
+    name: str
+    line: Line
+    items: list[Labels | range | str] = field(default_factory=list)
+    of_elements: str = ""
+    instance: str = ""
+    outer: bool = False
+    unsorted: bool = False
+
+
+@dataclass(eq=False)
+class Container:
+    """What stands between ``*PART`` and ``*END PART``, or the like; numbers and names are local to it.
+
+    Attributes
+    ----------
+    kind : str
+        ``"PART"``, ``"INSTANCE"``, ``"ASSEMBLY"``, or empty for a file without parts.
+    name, part : str
+        Name, and for an instance the name of its part.
+    line : Line or None
+        The keyword line.
+    mesh : LabelledMesh
+        Nodes and elements.
+    sets, surfaces : list
+        In the order of the file.
+    system : System or None
+        Coordinate system of ``*SYSTEM``.
+    placement : list of (Line, list of float)
+        Data lines of ``*INSTANCE``.
+    """
+
+    kind: str = ""
+    name: str = ""
+    part: str = ""
+    line: Line | None = None
+    mesh: LabelledMesh = field(default_factory=LabelledMesh)
+    sets: list[SetBlock] = field(default_factory=list)
+    surfaces: list[SurfaceBlock] = field(default_factory=list)
+    system: System | None = None
+    placement: list[tuple[Line, list[float]]] = field(default_factory=list)
+
+    def add_nodes(self, labels: list[int], points: Array) -> None:
+        """Add nodes; a node that is there already is moved.
+
+        Parameters
+        ----------
+        labels : list of int
+            Their numbers.
+        points : ndarray, shape (n, 3)
+            Their coordinates.
+        """
+        self.mesh.nodes.update(zip(labels, map(tuple, points.tolist()), strict=True))
+
+    def coordinates(self, labels: list[int]) -> Array:
+        """Return the coordinates of nodes.
+
+        Parameters
+        ----------
+        labels : list of int
+            Their numbers.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Their coordinates.
+
+        Raises
+        ------
+        ValueError
+            If a node does not exist yet.
+        """
+        for label in labels:
+            if label not in self.mesh.nodes:
+                raise ValueError(f"node {label} is not defined before this line")
+        return np.array([self.mesh.nodes[label] for label in labels], dtype=np.float64).reshape(-1, 3)
+
+
+def generated(count: int) -> None:
+    """Check how many nodes or elements a line generates.
+
+    Parameters
+    ----------
+    count : int
+        Their number.
+
+    Raises
+    ------
+    ValueError
+        If it is larger than `MAX_GENERATED`.
+    """
+    if count > MAX_GENERATED:
+        raise ValueError(f"it would generate {count} nodes or elements, more than {MAX_GENERATED}")
