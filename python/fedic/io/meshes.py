@@ -8,7 +8,7 @@ from fedic._core import CELL_TYPES, Mesh
 from fedic._internal.types import StrPath
 from fedic.errors import MeshError
 from fedic.io._meshio import read_with_meshio
-from fedic.io.abaqus import read_abaqus
+from fedic.io._programs import program_reader
 
 __all__ = ["read_mesh"]
 
@@ -16,9 +16,8 @@ __all__ = ["read_mesh"]
 def read_mesh(path: StrPath) -> Mesh:
     """Read the surface cells of a mesh file, and its named sets.
 
-    Abaqus input files are read by fedic, all other formats (Gmsh, VTK, VTU, MED, Nastran, ...) by meshio. Cells of the
-    types in `CELL_TYPES` are kept; points, lines and volumes are left out. The position of an Abaqus part in its
-    assembly is not applied.
+    Files of Abaqus, Ansys and Nastran and universal files (.unv) are read by fedic, all other formats (Gmsh, VTK, VTU,
+    MED, ...) by meshio. Cells of the types in `CELL_TYPES` are kept; points, lines and volumes are left out.
 
     Parameters
     ----------
@@ -41,7 +40,9 @@ def read_mesh(path: StrPath) -> Mesh:
     path = Path(path)
     if not path.is_file():
         raise MeshError(f"{path}: there is no such mesh file; check the path.")
-    contents = read_abaqus(path) if path.suffix.lower() == ".inp" else read_with_meshio(path)
+    contents = (program_reader(path) or read_with_meshio)(path)
+    if contents.needs_selection:
+        raise MeshError(contents.needs_selection)
     cells = contents.surface_cells()
     if not cells:
         found = ", ".join(sorted({name for name, _ in contents.blocks})) or "none"

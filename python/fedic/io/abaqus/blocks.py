@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fedic.io._includes import Includes
 from fedic.io._numbers import real, shown
-from fedic.io.abaqus.lines import Files, Line, split_items
+from fedic.io.abaqus.lines import Line, split_items
 
 __all__ = ["Block", "read_blocks"]
 
@@ -27,7 +28,7 @@ _PARAMETERS = {
     "INCLUDE": ("INPUT", "PASSWORD"),
 }
 """Parameters of the keywords that make the mesh, without blanks."""
-_ORDER = ("PART", "ENDPART", "ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE")
+_ORDER = ("PART", "ENDPART", "ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE", "RIGIDBODY")
 _REFUSED = ("IMPERFECTION", "IMPORT", "SYMMETRICMODELGENERATION")
 """Keywords that change the mesh in a way that the input file does not hold."""
 _WANTED = {*_PARAMETERS, *_ORDER, *_REFUSED, "PARAMETER", "SURFACE"}
@@ -64,7 +65,7 @@ def read_blocks(path: Path) -> Iterator[Block]:
     MeshError
         If a keyword or parameter is not known, or a file cannot be read.
     """
-    files = Files(path)
+    files = Includes(path)
     values: dict[str, str] = {}
     block: Block | None = None
     for line in _lines(files, path, (path,)):
@@ -105,9 +106,9 @@ def _with_values(line: Line, values: dict[str, str]) -> Line:
     return line._replace(text=text)
 
 
-def _lines(files: Files, path: Path, including: tuple[Path, ...]) -> Iterator[Line]:
+def _lines(files: Includes, path: Path, including: tuple[Path, ...]) -> Iterator[Line]:
     """Yield the lines of a file and of those it includes; the continuation of a keyword line is joined to it."""
-    lines = files.read(path)
+    lines = _numbered(files, path)
     line = next(lines, None)
     while line is not None:
         following = next(lines, None)
@@ -121,15 +122,23 @@ def _lines(files: Files, path: Path, including: tuple[Path, ...]) -> Iterator[Li
                 raise line.error("the included file is encrypted; include it as plain text.")
             if not parameters.get("INPUT"):
                 raise line.error("*INCLUDE needs the name of a file: *INCLUDE, INPUT=name.")
-            included = files.included(parameters["INPUT"], line, including)
+            included = files.find(parameters["INPUT"], line.number, including)
             yield from _lines(files, included, (*including, included))
         else:
             yield line
         line = following
 
 
-def _input(files: Files, block: Block, path: Path) -> Iterator[Line]:
-    included = files.included(block.parameters["INPUT"], block.line, (path,))
+def _numbered(files: Includes, path: Path) -> Iterator[Line]:
+    """Yield the lines of a file without blank lines and comments."""
+    for number, raw in enumerate(files.read(path), start=1):
+        text = raw.strip()
+        if text and not text.startswith("**"):
+            yield Line(path, number, text)
+
+
+def _input(files: Includes, block: Block, path: Path) -> Iterator[Line]:
+    included = files.find(block.parameters["INPUT"], block.line.number, tuple(dict.fromkeys((path, block.line.source))))
     for line in _lines(files, included, (path, included)):
         if line.text.startswith("*"):
             raise line.error(

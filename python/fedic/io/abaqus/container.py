@@ -78,6 +78,8 @@ class Container:
         Coordinate system of ``*SYSTEM``.
     placement : list of (Line, list of float)
         Data lines of ``*INSTANCE``.
+    has_rigid_body : bool
+        In the first container, whether the file has ``*RIGID BODY``.
     """
 
     kind: str = ""
@@ -89,6 +91,7 @@ class Container:
     surfaces: list[SurfaceBlock] = field(default_factory=list)
     system: System | None = None
     placement: list[tuple[Line, list[float]]] = field(default_factory=list)
+    has_rigid_body: bool = False
 
     def add_nodes(self, labels: list[int], points: Array) -> None:
         """Add nodes; a node that is there already is moved.

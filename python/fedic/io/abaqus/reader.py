@@ -82,7 +82,7 @@ def read_abaqus(path: Path) -> MeshFile:
                 path,
                 each if each.kind != "ASSEMBLY" else replace(each, name="", sets=[], surfaces=[]),
                 naming if each in meant else replace(naming, main=False),
-                keep_apart=bool(with_surface) and not each.mesh.is_attached(),
+                keep_apart=bool(with_surface) and _is_apart(each, root),
             )
             for each in pieces
         ]
@@ -93,6 +93,14 @@ def read_abaqus(path: Path) -> MeshFile:
             f"{path}: {len(with_surface)} parts have surface elements and no assembly places them; select one: {names}."
         )
     return contents
+
+
+def _is_apart(piece: Container, root: Container) -> bool:
+    """Return whether the rigid elements of a piece are another body than its deformable elements.
+
+    meshio writes triangles as rigid elements in a file without parts, and no ``*RIGID BODY``.
+    """
+    return (piece.kind in ("PART", "INSTANCE") or root.has_rigid_body) and not piece.mesh.is_attached()
 
 
 def _with_part(instance: Container, containers: list[Container]) -> Container:
@@ -134,6 +142,8 @@ def _read_containers(path: Path) -> list[Container]:
         elif keyword == "SURFACE":
             surface = read_surface(block, current.kind == "ASSEMBLY")
             current.surfaces += [surface] if surface else []
+        elif keyword == "RIGIDBODY":
+            containers[0].has_rigid_body = True
         elif keyword in _COMMANDS:
             _COMMANDS[keyword](current, block)
     return containers
