@@ -43,7 +43,9 @@ def read_lines(path: Path, limit: int = MAX_BYTES) -> list[str]:
     except (OSError, ValueError) as error:
         raise MeshError(f"{path}: the mesh file cannot be read ({getattr(error, 'strerror', error)}).") from error
     if len(data) > limit:
-        raise MeshError(f"{path}: the mesh and the files it includes are larger than {MAX_BYTES >> 30} GiB.")
+        raise MeshError(
+            f"{path}: the mesh and the files it includes are larger than {MAX_BYTES >> 30} GiB; export what is correlated only."
+        )
     text = _decoded(data)
     if "\0" in text:
         raise MeshError(f"{path}: this is a binary file, not text; export the mesh as text.")

@@ -32,6 +32,8 @@ _ORDER = ("PART", "ENDPART", "ASSEMBLY", "ENDASSEMBLY", "ENDINSTANCE", "RIGIDBOD
 _REFUSED = ("IMPERFECTION", "IMPORT", "SYMMETRICMODELGENERATION")
 """Keywords that change the mesh in a way that the input file does not hold."""
 _WANTED = {*_PARAMETERS, *_ORDER, *_REFUSED, "PARAMETER", "SURFACE"}
+_NO_PARAMETER = "*+-.,0123456789"
+"""With what no continuation of a keyword line begins."""
 _VALUE = re.compile(r"<([^<>]*)>")
 
 
@@ -113,7 +115,7 @@ def _lines(files: Includes, path: Path, including: tuple[Path, ...]) -> Iterator
     while line is not None:
         following = next(lines, None)
         if line.text.startswith("*"):
-            while line.text.endswith(",") and following is not None and not following.text.startswith("*"):
+            while line.text.endswith(",") and following is not None and following.text[0] not in _NO_PARAMETER:
                 line = line._replace(text=line.text + following.text)
                 following = next(lines, None)
         if _keyword(line) == "INCLUDE":
