@@ -44,7 +44,8 @@ def read_lines(path: Path, limit: int = MAX_BYTES) -> list[str]:
         raise MeshError(f"{path}: the mesh file cannot be read ({getattr(error, 'strerror', error)}).") from error
     if len(data) > limit:
         raise MeshError(
-            f"{path}: the mesh and the files it includes are larger than {MAX_BYTES >> 30} GiB; export what is correlated only."
+            f"{path}: the mesh and the files it includes are larger than {MAX_BYTES >> 30} GiB; "
+            "export only what is correlated."
         )
     text = _decoded(data)
     if "\0" in text:
