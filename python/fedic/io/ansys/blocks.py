@@ -40,7 +40,7 @@ def read_node_block(lines: Lines) -> Iterator[tuple[int, tuple[float, float, flo
         fields = [*_fields(line, widths), "", "", ""]
         with lines.reported("NBLOCK"):
             x, y, z = (real(field) if field else 0.0 for field in fields[count : count + 3])
-            number = label(fields[0])
+            number, *_ = label(fields[0]), *(integer(field) for field in fields[1:count] if field)
         yield number, (x, y, z)
 
 
@@ -150,13 +150,14 @@ def _integers(lines: Lines, line: str, width: int, name: str, most: int | None =
 def _fields(line: str, widths: list[int]) -> list[str]:
     """Return the fields of a line by columns, or by blanks if a column would cut a number.
 
-    A number may touch the next one only where it fills its column, or where the next one has a sign.
+    A number may touch the next one only where the next one has a sign, or where it is whole and fills its column.
     """
     fields = []
     start = 0
     for width in widths:
         field, following = line[start : start + width], line[start + width : start + width + 1]
-        if field[-1:].strip() and following.strip(" \t+-") and len(field.strip()) < width:
+        whole = len(field) == width and field.lstrip("-").isdigit()
+        if field[-1:].strip() and following.strip(" \t+-") and not whole:
             return line.split()
         fields.append(field.strip())
         start += width
