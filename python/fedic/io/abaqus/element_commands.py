@@ -1,12 +1,14 @@
 """Keywords that define elements: ``*ELEMENT``, ``*ELGEN`` and ``*ELCOPY``."""
 
+import numpy as np
+
 from fedic._core import CELL_TYPES
 from fedic.io._labelled_mesh import Element
 from fedic.io._numbers import integer, label
 from fedic.io.abaqus.blocks import Block
 from fedic.io.abaqus.container import Container, generated
 from fedic.io.abaqus.elements import ElementType, element_type
-from fedic.io.abaqus.lines import Line, reported
+from fedic.io.abaqus.lines import Line, number_table, reported
 from fedic.io.abaqus.node_commands import add_set
 from fedic.io.abaqus.sets import SetResolver
 
@@ -38,6 +40,20 @@ def define_elements(container: Container, block: Block) -> None:
     for parameter in ("FILE", "OFFSET", "SOLIDELEMENTNUMBERING"):
         if parameter in block.parameters:
             raise block.line.error(f"the parameter {parameter} of *ELEMENT is not read for {name} elements; remove it.")
+    table = number_table(block.data, np.int64)
+    if table is not None and table.shape[1] == len(kind.nodes) + 1 and (table > 0).all():
+        members = table[:, 0].tolist()
+        nodes = table[:, 1:][:, kind.nodes].tolist()
+        container.mesh.elements.update(
+            (number, Element(kind.cell, tuple(row), kind.apart)) for number, row in zip(members, nodes, strict=True)
+        )
+    else:
+        members = _elements(container, name, kind, block)
+    add_set(container, "element", block.parameters.get("ELSET", ""), block.line, members)
+
+
+def _elements(container: Container, name: str, kind: ElementType, block: Block) -> list[int]:
+    """Define elements line by line; return their numbers."""
     members = []
     items: list[str] = []
     begin = block.line
@@ -52,7 +68,7 @@ def define_elements(container: Container, block: Block) -> None:
             items = []
     if items:
         raise begin.error(f"element {items[0]} has {len(items) - 1} nodes; {name} has {len(kind.nodes)}.")
-    add_set(container, "element", block.parameters.get("ELSET", ""), block.line, members)
+    return members
 
 
 def _define(container: Container, name: str, kind: ElementType, line: Line, items: list[str]) -> int:

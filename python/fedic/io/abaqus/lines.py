@@ -1,13 +1,19 @@
 """Lines of an Abaqus input file."""
 
 import contextlib
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fedic.errors import MeshError
 
-__all__ = ["Line", "reported", "split_items"]
+__all__ = ["Line", "number_table", "reported", "split_items"]
+
+_Number = TypeVar("_Number", np.float64, np.int64)
 
 
 class Line(NamedTuple):
@@ -36,6 +42,31 @@ class Line(NamedTuple):
         """Return what stands between the commas, without an empty item at the end."""
         items = split_items(self.text)
         return items[:-1] if items and not items[-1] else items
+
+
+def number_table(lines: Sequence[Line], kind: type[_Number]) -> NDArray[_Number] | None:
+    """Return the numbers of lines that all hold equally many plain numbers; None if any line is not like that.
+
+    Parameters
+    ----------
+    lines : sequence of Line
+        The lines.
+    kind : type
+        ``numpy.float64`` or ``numpy.int64``.
+
+    Returns
+    -------
+    ndarray, shape (n, k), or None
+        One line per row. It is several times as fast as to read item by item.
+    """
+    if not lines:
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # of whole numbers with a decimal point
+        try:
+            return np.loadtxt([line.text for line in lines], dtype=kind, delimiter=",", comments=None, ndmin=2)
+        except (ValueError, OverflowError, DeprecationWarning):
+            return None
 
 
 @contextlib.contextmanager

@@ -6,11 +6,12 @@ from fedic.io._coordinates import Array, axes, from_cylindrical
 from fedic.io._numbers import label, real
 from fedic.io.abaqus.blocks import Block
 from fedic.io.abaqus.container import Container, SetBlock
-from fedic.io.abaqus.lines import Line, reported
+from fedic.io.abaqus.lines import Line, number_table, reported
 
 __all__ = ["add_set", "cartesian", "define_nodes", "define_system", "reals", "to_global"]
 
 _MAX_FIELDS = 7
+_EXACT = 2**53
 
 
 def define_nodes(container: Container, block: Block) -> None:
@@ -28,17 +29,35 @@ def define_nodes(container: Container, block: Block) -> None:
     MeshError
         If a line cannot be understood, or the coordinate system is not known.
     """
+    labels, local = _plain_nodes(block.data) or _nodes(block.data)
+    container.add_nodes(labels, to_global(container, cartesian(local, block)))
+    add_set(container, "node", block.parameters.get("NSET", ""), block.line, labels)
+
+
+def _plain_nodes(lines: list[Line]) -> tuple[list[int], Array] | None:
+    """Return numbers and coordinates of nodes if all lines are alike, in two or three plain coordinates."""
+    table = number_table(lines, np.float64)
+    if table is None or table.shape[1] not in (3, 4) or not np.isfinite(table).all():
+        return None
+    labels = table[:, 0]
+    if (labels < 1).any() or (labels > _EXACT).any() or (labels % 1 != 0).any():
+        return None
+    points = np.zeros((len(table), 3))
+    points[:, : table.shape[1] - 1] = table[:, 1:]
+    return labels.astype(np.int64).tolist(), points
+
+
+def _nodes(lines: list[Line]) -> tuple[list[int], Array]:
+    """Return numbers and coordinates of nodes, line by line."""
     labels, points = [], []
-    for line in block.data:
+    for line in lines:
         with reported(line, "NODE"):
             first, *fields = line.items()
             if len(fields) >= _MAX_FIELDS:
                 raise ValueError(f"{len(fields) + 1} fields, more than a number, 3 coordinates and 3 of a normal")
             labels.append(label(first))
             points.append(([real(field) if field else 0.0 for field in fields] + [0.0, 0.0, 0.0])[:3])
-    local = np.array(points, dtype=np.float64).reshape(-1, 3)
-    container.add_nodes(labels, to_global(container, cartesian(local, block)))
-    add_set(container, "node", block.parameters.get("NSET", ""), block.line, labels)
+    return labels, np.array(points, dtype=np.float64).reshape(-1, 3)
 
 
 def define_system(container: Container, block: Block) -> None:

@@ -67,11 +67,13 @@ def _add_once(cards: dict[int, Card], card: Card) -> bool:
     """Add a card under its number; return whether it was not there already."""
     number = card.label(1)
     earlier = cards.setdefault(number, card)
+    if earlier is card:
+        return True
     if (earlier.name, _stripped(earlier)) != (card.name, _stripped(card)):
         raise card.error(
             f"{card.name} {number} is defined a second time, not as in line {earlier.number}; remove one of the two."
         )
-    return earlier is card
+    return False
 
 
 def _stripped(card: Card) -> list[str]:
