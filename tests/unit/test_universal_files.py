@@ -114,6 +114,7 @@ def test_solids_and_others_come_under_their_names(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("not a mesh\n", "this is no universal file"),
         (nodes() + "    -1\n  2412\n", "line 20: the dataset that begins here has no end"),
         (nodes() + "    -1\n\n    -1\n", "line 21: the number of the dataset is missing"),
         (nodes() + dataset(2412, *element(1, 44, [1, 2, 3, 9])), "element 1 refers to node 9"),

@@ -82,11 +82,11 @@ class _Reader:
         if name == "ET":
             digits = second[len(second.rstrip("0123456789")) :]
             if digits:
-                self.routines[int(self._value(first))] = integer(digits)
+                self.routines[self._whole(first)] = integer(digits)
         elif name == "TYPE":
-            self.kind = int(self._value(first))
+            self.kind = self._whole(first)
         elif name == "CSYS":
-            self.system = int(self._value(first)) if first else 0
+            self.system = self._whole(first) if first else 0
         elif name == "*SET" or "=" in name:
             key, value = (first.upper(), second) if name == "*SET" else (part.strip() for part in name.split("=", 1))
             try:
@@ -102,7 +102,7 @@ class _Reader:
 
     def _component(self, items: list[str]) -> None:
         name, kind, count, *_ = [*items, "", "", ""]
-        numbers = [number for row in read_integers(self.lines, "CMBLOCK", integer(count.split()[0])) for number in row]
+        numbers = [number for row in read_integers(self.lines, "CMBLOCK", integer(count.partition(" ")[0])) for number in row]
         if kind.upper().startswith(("NODE", "ELEM")):
             self.components.append((name, kind.upper()[:4], numbers))
 
@@ -112,7 +112,7 @@ class _Reader:
             if integer(point[1] or "0") > 0 and point[0].upper() == "LOC":
                 raise ValueError("unblocked nodes are not read; write the mesh by CDWRITE,DB in blocks")
             return
-        node = label(str(int(self._value(number)))) if number else max(self.mesh.nodes, default=0) + 1
+        node = label(str(self._whole(number))) if number else max(self.mesh.nodes, default=0) + 1
         given = np.array([[self._value(item) if item else 0.0 for item in point]])
         if self.system not in (0, 1):
             raise ValueError(f"nodes in the coordinate system {self.system} are not read, only in 0 and 1")
@@ -147,7 +147,11 @@ class _Reader:
             raise ValueError(f"element {element} cannot be read: {error}") from error
 
     def _integers(self, items: list[str]) -> list[int]:
-        return [int(self._value(item)) if item else 0 for item in items]
+        return [self._whole(item) if item else 0 for item in items]
+
+    def _whole(self, text: str) -> int:
+        value = self.values.get(text.upper())
+        return integer(text if value is None else f"{value:.15g}")
 
     def _value(self, text: str) -> float:
         if text.upper() in self.values:

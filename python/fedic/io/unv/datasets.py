@@ -108,6 +108,8 @@ def read_datasets(path: Path) -> Iterator[Dataset]:
     """
     lines = read_lines(path)
     marks = [index for index, line in enumerate(lines) if line.strip() == _MARK]
+    if not marks:
+        raise MeshError(f"{path}: this is no universal file; it has no line -1 that begins a dataset.")
     inside = False
     for begin, end in zip(marks, [*marks[1:], len(lines)], strict=True):
         inside = not inside

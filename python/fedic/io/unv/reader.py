@@ -121,6 +121,8 @@ def _add_groups(dataset: Dataset, node_sets: dict[str, list[int]], element_sets:
         while len(numbers) < size * count:
             numbers += dataset.integers(index)
             index += 1
+        if len(numbers) != size * count:
+            raise dataset.error(index - 1, f"the group {name!r} has {len(numbers)} numbers for {count} members.")
         for kind, member in zip(numbers[0::size], numbers[1::size], strict=True):
             if kind in (_NODE, _ELEMENT):
                 (node_sets if kind == _NODE else element_sets).setdefault(name, []).append(member)
