@@ -24,6 +24,7 @@ PLATE = """\
 10, 40
 *End Part
 """
+SURFACES = ("Front", "Skin", "End")
 PIN = """\
 *Part, name=Pin
 *Node
@@ -154,9 +155,8 @@ def test_nodes_and_elements_may_stand_in_the_instance(tmp_path: Path) -> None:
 def test_names_of_the_only_instance_can_be_selected(tmp_path: Path) -> None:
     file = contents(tmp_path, PLATE + assembly(instance("Plate-1", "Plate")))
     assert set(file.cell_sets) == {"Body"}
-    assert set(file.surfaces) == {"Plate-1", "Plate", "Plate-1.Body", "Plate.Body"}
-    (cells,) = file.surfaces["Plate-1.Body"]
-    assert (cells[0], cells[1].tolist()) == ("quad", [[0, 1, 2, 3]])
+    found = {name: [rows.tolist() for rows in members] for name, members in file.parts.items()}
+    assert found == {"Plate-1": [[0]], "Plate": [[0]], "Plate-1.Body": [[0]], "Plate.Body": [[0]]}
 
 
 @pytest.mark.parametrize("placed", [True, False])
@@ -196,6 +196,7 @@ def test_surfaces_of_solids_are_kept_apart(tmp_path: Path) -> None:
     ((cell, front),) = file.surfaces["Front"]
     assert (cell, front.shape) == ("quad", (2, 4))
     assert set(surface_points(file, "Front")[:, 2]) == {6.0}
+    assert set(file.surfaces) == {f"{prefix}{name}" for prefix in ("", "Block-1.", "Block.") for name in SURFACES}
     assert len(file.surfaces["Skin"][0][1]) == 10
     assert set(surface_points(file, "End")[:, 0]) == {2.0}
     with pytest.raises(fedic.MeshError, match="cells found: hexahedron"):

@@ -12,7 +12,7 @@ _NONE = np.empty(0, dtype=np.int64)
 
 
 def joined(files: Sequence[MeshFile]) -> MeshFile:
-    """Return the contents of several meshes as one; sets and surfaces of one name are joined.
+    """Return the contents of several meshes as one; sets, parts and surfaces of one name are joined.
 
     Parameters
     ----------
@@ -32,9 +32,10 @@ def joined(files: Sequence[MeshFile]) -> MeshFile:
         whole.blocks += [(name, nodes + start) for name, nodes in file.blocks]
         for name, nodes in file.node_sets.items():
             whole.node_sets[name] = np.concatenate([whole.node_sets.get(name, _NONE), nodes + start])
-        for name, members in file.cell_sets.items():
-            rows = whole.cell_sets.setdefault(name, [_NONE] * num_blocks)
-            rows[first : first + len(members)] = members
+        for named, source in ((whole.cell_sets, file.cell_sets), (whole.parts, file.parts)):
+            for name, members in source.items():
+                rows = named.setdefault(name, [_NONE] * num_blocks)
+                rows[first : first + len(members)] = members
         for name, cells in file.surfaces.items():
             whole.surfaces.setdefault(name, []).extend((cell, nodes + start) for cell, nodes in cells)
         start += len(file.points)

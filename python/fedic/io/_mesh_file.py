@@ -28,8 +28,9 @@ class MeshFile:
     cell_sets : dict of str to list of ndarray of int
         Cells of each named set: for each block, indices in the block.
     surfaces : dict of str to list of (str, ndarray of int, shape (m, k))
-        Surface cells that are no part of the mesh as a whole and can be selected by name: named faces of solids, rigid
-        parts, and other names of what the mesh holds.
+        Named faces of solids and rigid parts as surface cells, used only if they are chosen by name.
+    parts : dict of str to list of ndarray of int
+        As `cell_sets`: blocks and numbered groups, which can be chosen by name and are no sets of the mesh.
     needs_selection : str
         Why the file as a whole is not one mesh, and what can be selected; empty if it is one.
     """
@@ -39,6 +40,7 @@ class MeshFile:
     node_sets: dict[str, Indices] = field(default_factory=dict)
     cell_sets: dict[str, list[Indices]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[str, Indices]]] = field(default_factory=dict)
+    parts: dict[str, list[Indices]] = field(default_factory=dict)
     needs_selection: str = ""
 
     def surface_cells(self) -> dict[str, Indices]:

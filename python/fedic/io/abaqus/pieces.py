@@ -1,15 +1,13 @@
 """The parts and instances of an Abaqus model, placed, with their sets and surfaces under final names."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from fedic._core import CELL_TYPES
 from fedic.io._coordinates import Array, rotated
 from fedic.io._labelled_mesh import Numbering
-from fedic.io._mesh_file import Indices, MeshFile
+from fedic.io._mesh_file import MeshFile
 from fedic.io.abaqus.container import Container, SetBlock, SurfaceBlock
 from fedic.io.abaqus.lines import reported
 from fedic.io.abaqus.sets import SetResolver
@@ -56,7 +54,7 @@ def piece_contents(path: Path, piece: Container, naming: Naming, *, keep_apart: 
     -------
     MeshFile
         A piece that is not the main one has its sets as ``PIECE.SET`` and its cells as the set ``PIECE``. Of the main
-        piece these are further names, in `MeshFile.surfaces`.
+        piece these are further names, in `MeshFile.parts`.
 
     Raises
     ------
@@ -81,30 +79,19 @@ def piece_contents(path: Path, piece: Container, naming: Naming, *, keep_apart: 
         cells = surface_cells(resolver, surface, nodes)
         if cells:
             contents.surfaces.setdefault(surface.name if surface.outer else prefix + surface.name, cells)
-    if naming.main and whole:
-        contents.surfaces = {**_further_names(contents, whole), **contents.surfaces}
+    if naming.main:
+        _add_further_names(contents, whole)
     contents.points = _placed(piece, contents.points)
     return contents
 
 
-def _further_names(contents: MeshFile, whole: Sequence[str]) -> dict[str, list[tuple[str, Indices]]]:
-    """Return the cells and sets of the only piece by the name of the piece too: ``PLATE-1``, ``PLATE-1.LEFT``."""
-    surfaces: dict[str, list[tuple[str, Indices]]] = {}
-    cells = [(name, nodes) for name, nodes in contents.blocks if name in CELL_TYPES]
-    for piece in whole:
-        if cells:
-            surfaces[piece] = cells
-        for name, members in contents.cell_sets.items():
-            chosen = [
-                (cell, nodes[rows])
-                for (cell, nodes), rows in zip(contents.blocks, members, strict=True)
-                if cell in CELL_TYPES and len(rows)
-            ]
-            if chosen:
-                surfaces[f"{piece}.{name}"] = chosen
-        for name, found in contents.surfaces.items():
-            surfaces[f"{piece}.{name}"] = found
-    return surfaces
+def _add_further_names(contents: MeshFile, pieces: list[str]) -> None:
+    """Name what the only piece holds by the names of the piece too: ``PLATE-1``, ``PLATE-1.LEFT``."""
+    surfaces = dict(contents.surfaces)
+    for piece in pieces:
+        contents.parts[piece] = [np.arange(len(nodes)) for _, nodes in contents.blocks]
+        contents.parts.update({f"{piece}.{name}": members for name, members in contents.cell_sets.items()})
+        contents.surfaces.update({f"{piece}.{name}": cells for name, cells in surfaces.items()})
 
 
 def _placed(piece: Container, points: Array) -> Array:

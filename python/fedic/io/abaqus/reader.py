@@ -48,8 +48,9 @@ def read_abaqus(path: Path) -> MeshFile:
         Surface elements (plane, axisymmetric, shell, membrane), volume elements and lines; others come under their
         Abaqus name, without nodes. If one instance has surface elements, its sets keep their names; if several have,
         ``INSTANCE.SET`` is a set of an instance and ``INSTANCE`` holds its cells. Sets of the assembly keep their
-        names. ``MeshFile.surfaces`` holds what ``*SURFACE`` makes of element faces, rigid elements beside deformable
-        ones, and the sets of the only instance as ``INSTANCE.SET``. Several parts without an assembly need a selection.
+        names. ``MeshFile.surfaces`` holds what ``*SURFACE`` makes of element faces, and rigid elements beside
+        deformable ones; ``MeshFile.parts`` holds the sets of the only instance as ``INSTANCE.SET`` and ``PART.SET``.
+        Several parts without an assembly need a selection.
 
     Raises
     ------

@@ -102,7 +102,9 @@ class _Reader:
 
     def _component(self, items: list[str]) -> None:
         name, kind, count, *_ = [*items, "", "", ""]
-        numbers = [number for row in read_integers(self.lines, "CMBLOCK", integer(count.partition(" ")[0])) for number in row]
+        numbers = [
+            number for row in read_integers(self.lines, "CMBLOCK", integer(count.partition(" ")[0])) for number in row
+        ]
         if kind.upper().startswith(("NODE", "ELEM")):
             self.components.append((name, kind.upper()[:4], numbers))
 
