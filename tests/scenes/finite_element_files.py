@@ -49,13 +49,14 @@ CORNERS = "*NODE\n1, 0., 0.\n3, 20., 0.\n11, 0., 10.\n13, 20., 10.\n"
 LINES = f"{CORNERS}*NGEN, NSET=LOW\n1, 3\n*NGEN, NSET=HIGH\n11, 13\n"
 ROW = "*ELEMENT, TYPE=CPS4\n1, 1, 2, 12, 11\n*ELGEN\n1, 2\n"
 SQUARE = "*NODE, NSET=A\n1, 0., 0.\n2, 10., 0.\n3, 10., 10.\n4, 0., 10.\n*ELEMENT, TYPE=S4, ELSET=A\n1, 1, 2, 3, 4\n"
-PIN = "*PART, NAME=PIN\n*NODE\n1, 3., 3.\n2, 4., 3.\n3, 4., 4.\n4, 3., 4.\n*ELEMENT, TYPE=R3D4\n1, 1, 2, 3, 4\n*END PART\n"
+PIN_BODY = "*NODE\n1, 3., 3.\n2, 4., 3.\n3, 4., 4.\n4, 3., 4.\n*ELEMENT, TYPE=R3D4\n1, 1, 2, 3, 4\n"
+PIN = f"*PART, NAME=PIN\n{PIN_BODY}*END PART\n"
+POLAR = "*NODE, SYSTEM=C\n1\n2, 10.\n4, 10., 90.\n5, 20.\n*NODE\n3, 10., 10.\n6, 20., 10.\n"
 
 
 def _assembly(*instances: str) -> str:
-    return (
-        "*ASSEMBLY, NAME=A\n" + "".join(f"*INSTANCE, {each}\n*END INSTANCE\n" for each in instances) + "*END ASSEMBLY\n"
-    )
+    blocks = "".join(f"*INSTANCE, {each}\n*END INSTANCE\n" for each in instances)
+    return f"*ASSEMBLY, NAME=A\n{blocks}*END ASSEMBLY\n"
 
 
 def _abaqus(variant: str, text: str, refused: str = "", **more: object) -> FiniteElementFile:
@@ -85,7 +86,8 @@ _ABAQUS = [
     _abaqus("*PARAMETER with expressions", "*PARAMETER\nw = 5. * 2\n" + DECK.replace("10.0", "<w>"), "*PARAMETER"),
     _abaqus("*NGEN, straight", LINES + ROW),
     _abaqus(
-        "*NGEN, LINE=C", CORNERS + "*NGEN, LINE=C\n1, 3, 1, , 10., 0., 0., 0., 0., 1.\n11, 13\n*NODE\n2, 10.\n" + ROW
+        "*NGEN, LINE=C",
+        CORNERS + "*NGEN, LINE=C\n1, 3, 1, , 10., 0., 0., 0., 0., 1.\n*NGEN\n11, 13\n*NODE\n2, 10.\n" + ROW,
     ),
     _abaqus("*NGEN, LINE=P", CORNERS + "*NGEN, LINE=P\n1, 3, 1, 11\n" + ROW, "LINE=P is not read"),
     _abaqus(
@@ -106,16 +108,11 @@ _ABAQUS = [
         + "".join(f"{i}, {y}, {-x}\n" for i, (x, y) in enumerate(POINTS, 1))
         + DECK[DECK.index("*EL") :],
     ),
-    _abaqus(
-        "*NODE, SYSTEM=C",
-        "*NODE, SYSTEM=C\n1\n2, 10.\n4, 10., 90.\n5, 20.\n*NODE\n"
-        + NODES[2 * 15 :].replace("5, ", "5, ")
-        + DECK[DECK.index("*EL") :],
-    ),
+    _abaqus("*NODE, SYSTEM=C", POLAR + DECK[DECK.index("*EL") :]),
     _abaqus("*NODE, SYSTEM=S", DECK.replace("*NODE", "*NODE, SYSTEM=S"), "SYSTEM=S is not read"),
     _abaqus(
         "instance moved and turned",
-        PART.replace("0.\n*", "0.\n*") + _assembly("NAME=I, PART=PLATE\n10., 20.\n10., 20., 0., 10., 20., 1., 90."),
+        PART + _assembly("NAME=I, PART=PLATE\n10., 20.\n10., 20., 0., 10., 20., 1., 90."),
     ),
     _abaqus(
         "two instances of a part",
