@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fedic.io._mesh_file import MeshFile
-from fedic.io._text import read_lines
+from fedic.io._text import first_lines
 from fedic.io.abaqus import read_abaqus
 from fedic.io.ansys import read_ansys
 from fedic.io.nastran import read_nastran
@@ -54,7 +54,7 @@ def program_reader(path: Path) -> Callable[[Path], MeshFile] | None:
     suffix = path.suffix.lower()
     if suffix not in (".inp", ".dat"):
         return _BY_SUFFIX.get(suffix)
-    for line in read_lines(path):
+    for line in first_lines(path):
         text = line.strip()
         for pattern, reader in ((_ABAQUS, read_abaqus), (_ANSYS, read_ansys), (_NASTRAN, read_nastran)):
             if pattern.match(text):

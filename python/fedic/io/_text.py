@@ -5,10 +5,11 @@ from pathlib import Path
 
 from fedic.errors import MeshError
 
-__all__ = ["MAX_BYTES", "read_lines"]
+__all__ = ["MAX_BYTES", "first_lines", "read_lines"]
 
 MAX_BYTES = 4 << 30
 """Largest number of bytes that one mesh is read from, included files together."""
+_HEAD = 1 << 18
 _MARKS = {codecs.BOM_UTF8: "utf-8", codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
 
 
@@ -35,13 +36,7 @@ def read_lines(path: Path, limit: int = MAX_BYTES) -> list[str]:
     MeshError
         If the file is missing, is no regular file, is larger than the limit or is not text.
     """
-    try:
-        if path.exists() and not path.is_file():
-            raise MeshError(f"{path}: this is no regular file; give the name of a mesh file.")
-        with path.open("rb") as file:
-            data = file.read(limit + 1)
-    except (OSError, ValueError) as error:
-        raise MeshError(f"{path}: the mesh file cannot be read ({getattr(error, 'strerror', error)}).") from error
+    data = _bytes(path, limit + 1)
     if len(data) > limit:
         raise MeshError(
             f"{path}: the mesh and the files it includes are larger than {MAX_BYTES >> 30} GiB; "
@@ -50,6 +45,41 @@ def read_lines(path: Path, limit: int = MAX_BYTES) -> list[str]:
     text = _decoded(data)
     if "\0" in text:
         raise MeshError(f"{path}: this is a binary file, not text; export the mesh as text.")
+    return _split(text)
+
+
+def first_lines(path: Path) -> list[str]:
+    """Return the lines at the beginning of a file, of which the last may be cut.
+
+    Parameters
+    ----------
+    path : Path
+        The file, text or not.
+
+    Returns
+    -------
+    list of str
+        The lines of the first 256 KiB, without their ends.
+
+    Raises
+    ------
+    MeshError
+        If the file is missing or is no regular file.
+    """
+    return _split(_decoded(_bytes(path, _HEAD)))
+
+
+def _bytes(path: Path, count: int) -> bytes:
+    try:
+        if path.exists() and not path.is_file():
+            raise MeshError(f"{path}: this is no regular file; give the name of a mesh file.")
+        with path.open("rb") as file:
+            return file.read(count)
+    except (OSError, ValueError) as error:
+        raise MeshError(f"{path}: the mesh file cannot be read ({getattr(error, 'strerror', error)}).") from error
+
+
+def _split(text: str) -> list[str]:
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 

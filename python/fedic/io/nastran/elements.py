@@ -57,8 +57,9 @@ def element_of(card: Card) -> Element | None:
     if kind is None:
         return None
     most = max(kind.cells)
+    fields = card.fields[2 : 2 + most]
     places = kind.order or range(most)
-    given = [card.text(3 + place) not in ("", "0") for place in places]
+    given = [place < len(fields) and fields[place] not in ("", "0") for place in places]
     for count in sorted(kind.cells, reverse=True):
         if all(given[:count]) and not any(given[count:]):
             return Element(kind.cells[count], tuple(card.label(3 + place) for place in places[:count]))
