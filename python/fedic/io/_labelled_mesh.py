@@ -98,6 +98,23 @@ class LabelledMesh:
         """Return the numbers of the nodes in order."""
         return np.fromiter(self.nodes, dtype=np.int64, count=len(self.nodes))
 
+    def with_more(self, more: "LabelledMesh") -> "LabelledMesh":
+        """Return this mesh with the nodes and elements of another, which replace those of the same number.
+
+        Parameters
+        ----------
+        more : LabelledMesh
+            The other mesh.
+
+        Returns
+        -------
+        LabelledMesh
+            This mesh itself if the other is empty.
+        """
+        if not more.nodes and not more.elements and not more.others:
+            return self
+        return LabelledMesh(self.nodes | more.nodes, self.elements | more.elements, self.others | more.others)
+
     def has_surface(self) -> bool:
         """Return whether surface elements belong to the mesh as a whole."""
         return any(element.cell in CELL_TYPES and not element.apart for element in self.elements.values())

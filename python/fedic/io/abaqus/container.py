@@ -9,10 +9,34 @@ from fedic.io._coordinates import Array, System
 from fedic.io._labelled_mesh import LabelledMesh, Labels
 from fedic.io.abaqus.lines import Line
 
-__all__ = ["MAX_GENERATED", "Container", "SetBlock", "SurfaceBlock", "generated"]
+__all__ = ["Budget", "Container", "SetBlock", "SurfaceBlock"]
 
 MAX_GENERATED = 5_000_000
-"""Largest number of nodes or elements that one keyword may generate."""
+"""Largest number of nodes and elements that the keywords of one file may generate."""
+
+
+@dataclass
+class Budget:
+    """How many nodes and elements the keywords of a file may still generate."""
+
+    left: int = MAX_GENERATED
+
+    def spend(self, count: int) -> None:
+        """Take what a line generates from the budget.
+
+        Parameters
+        ----------
+        count : int
+            Number of nodes or elements.
+
+        Raises
+        ------
+        ValueError
+            If the budget is exceeded.
+        """
+        self.left -= count
+        if self.left < 0:
+            raise ValueError(f"with {count} more, over {MAX_GENERATED} nodes and elements would be generated")
 
 
 class SurfaceBlock(NamedTuple):
@@ -78,6 +102,8 @@ class Container:
         Coordinate system of ``*SYSTEM``.
     placement : list of (Line, list of float)
         Data lines of ``*INSTANCE``.
+    budget : Budget
+        One for all containers of a file.
     has_rigid_body : bool
         In the first container, whether the file has ``*RIGID BODY``.
     """
@@ -91,6 +117,7 @@ class Container:
     surfaces: list[SurfaceBlock] = field(default_factory=list)
     system: System | None = None
     placement: list[tuple[Line, list[float]]] = field(default_factory=list)
+    budget: Budget = field(default_factory=Budget)
     has_rigid_body: bool = False
 
     def add_nodes(self, labels: list[int], points: Array) -> None:
@@ -127,20 +154,3 @@ class Container:
             if label not in self.mesh.nodes:
                 raise ValueError(f"node {label} is not defined before this line")
         return np.array([self.mesh.nodes[label] for label in labels], dtype=np.float64).reshape(-1, 3)
-
-
-def generated(count: int) -> None:
-    """Check how many nodes or elements a line generates.
-
-    Parameters
-    ----------
-    count : int
-        Their number.
-
-    Raises
-    ------
-    ValueError
-        If it is larger than `MAX_GENERATED`.
-    """
-    if count > MAX_GENERATED:
-        raise ValueError(f"it would generate {count} nodes or elements, more than {MAX_GENERATED}")

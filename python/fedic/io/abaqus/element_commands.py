@@ -6,7 +6,7 @@ from fedic._core import CELL_TYPES
 from fedic.io._labelled_mesh import Element
 from fedic.io._numbers import integer, label
 from fedic.io.abaqus.blocks import Block
-from fedic.io.abaqus.container import Container, generated
+from fedic.io.abaqus.container import Container
 from fedic.io.abaqus.elements import ElementType, element_type
 from fedic.io.abaqus.lines import Line, number_table, reported
 from fedic.io.abaqus.node_commands import add_set
@@ -106,7 +106,7 @@ def generate_elements(container: Container, block: Block) -> None:
             counts, node_steps, steps = numbers[0::3], numbers[1::3], numbers[2::3]
             if min(counts) < 1:
                 raise ValueError("a number of elements is not positive")
-            generated(counts[0] * counts[1] * counts[2])
+            container.budget.spend(counts[0] * counts[1] * counts[2])
             if master not in container.mesh.elements:
                 if container.mesh.others:
                     continue
@@ -145,8 +145,9 @@ def copy_elements(container: Container, block: Block) -> None:
         resolver = SetResolver(container.mesh, container.sets)
         if ("element", outer, old.upper()) not in resolver.blocks:
             raise ValueError(f"the element set {old!r} is not defined before this line")
-        members = []
-        for each in resolver.members("element", old, outer).tolist():
+        members, originals = [], resolver.members("element", old, outer).tolist()
+        container.budget.spend(len(originals))
+        for each in originals:
             element = container.mesh.elements[each]
             if "REFLECT" in parameters and element.cell not in CELL_TYPES:
                 raise ValueError(f"REFLECT is read for surface elements only; element {each} is none")

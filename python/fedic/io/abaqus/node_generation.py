@@ -5,7 +5,7 @@ import numpy as np
 from fedic.io._coordinates import Array, axes, from_cylindrical, rotated
 from fedic.io._numbers import integer, label, real
 from fedic.io.abaqus.blocks import Block
-from fedic.io.abaqus.container import Container, generated
+from fedic.io.abaqus.container import Container
 from fedic.io.abaqus.lines import Line, reported
 from fedic.io.abaqus.node_commands import add_set, cartesian, reals, to_global
 from fedic.io.abaqus.sets import SetResolver
@@ -40,13 +40,14 @@ def generate_nodes(container: Container, block: Block) -> None:
             first, last = label(items[0]), label(items[1] if len(items) > 1 else "")
             step = integer(items[2]) if len(items) > 2 and items[2] else 1
             labels = _between(first, last, step)
+            container.budget.spend(len(labels))
             ends = container.coordinates([first, last])
             shares = np.arange(1, len(labels) + 1) / (len(labels) + 1)
             if curve:
                 points = _arc(ends, _centre(container, block, line), _normal(line), shares)
             else:
                 points = ends[0] + np.outer(shares, ends[1] - ends[0])
-        container.add_nodes(labels, points)
+        container.add_nodes(list(labels), points)
         members += [first, *labels, last]
     add_set(container, "node", block.parameters.get("NSET", ""), block.line, members)
 
@@ -79,7 +80,7 @@ def fill_nodes(container: Container, block: Block) -> None:
             step = integer(counts[1]) if len(counts) > 1 and counts[1] else 1
             if intervals < 1 or bias <= 0.0:
                 raise ValueError("the number of intervals and the bias are not positive")
-            generated(intervals * len(pairs))
+            container.budget.spend(intervals * len(pairs))
             for start, end in pairs:
                 if end - start != step * intervals:
                     raise ValueError(
@@ -92,7 +93,7 @@ def fill_nodes(container: Container, block: Block) -> None:
         for index, (start, end) in enumerate(pairs):
             labels = _between(start, end, step)
             between = np.outer(shares[:-1] / shares[-1], ends[index] - starts[index])
-            container.add_nodes(labels, starts[index] + between)
+            container.add_nodes(list(labels), starts[index] + between)
             members += [start, *labels, end]
     add_set(container, "node", block.parameters.get("NSET", ""), block.line, members)
 
@@ -119,7 +120,7 @@ def copy_nodes(container: Container, block: Block) -> None:
         old = _set(container, parameters.get("OLDSET", ""))
         change = integer(parameters.get("CHANGENUMBER", ""))
         times = integer(parameters.get("MULTIPLE", "1"))
-        generated(times * len(old))
+        container.budget.spend(times * len(old))
         points, new = container.coordinates(old), list[int]()
         if "REFLECT" in parameters:
             given = np.array([real(item) for line in data for item in line.items() if item])
@@ -185,12 +186,11 @@ def map_nodes(container: Container, block: Block) -> None:
         container.add_nodes(labels, points @ turn + origin)
 
 
-def _between(first: int, last: int, step: int) -> list[int]:
+def _between(first: int, last: int, step: int) -> range:
     """Return the numbers between two ends."""
     if step == 0 or (last - first) % step or (last - first) // step < 1:
         raise ValueError(f"the numbers {first} and {last} do not differ by a multiple of {step}")
-    generated((last - first) // step)
-    return list(range(first + step, last, step))
+    return range(first + step, last, step)
 
 
 def _set(container: Container, name: str) -> list[int]:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from fedic.errors import MeshError
 from fedic.io._joined import joined
 from fedic.io._mesh_file import MeshFile
 from fedic.io._numbers import real
@@ -18,6 +19,8 @@ from fedic.io.abaqus.surfaces import read_surface
 
 __all__ = ["read_abaqus"]
 
+MAX_SIZE = 20_000_000
+"""Largest number of nodes and elements of all instances."""
 _COMMANDS = {
     "NODE": define_nodes,
     "SYSTEM": define_system,
@@ -69,6 +72,9 @@ def read_abaqus(path: Path) -> MeshFile:
         root.sets = []
     candidates = [*pieces, *outside, root]
     pieces = [each for each in candidates if each.mesh.elements] or [each for each in candidates if each.mesh.others]
+    size = sum(len(each.mesh.nodes) + len(each.mesh.elements) for each in pieces)
+    if size > MAX_SIZE:
+        raise MeshError(f"{path}: the instances have {size} nodes and elements, more than {MAX_SIZE}.")
     with_surface = [each for each in pieces if each.mesh.has_surface()]
     meant = with_surface or pieces
     naming = Naming(
@@ -115,12 +121,7 @@ def _with_part(instance: Container, containers: list[Container]) -> Container:
     (part,) = parts
     return replace(
         instance,
-        mesh=replace(
-            part.mesh,
-            nodes=part.mesh.nodes | instance.mesh.nodes,
-            elements=part.mesh.elements | instance.mesh.elements,
-            others=part.mesh.others | instance.mesh.others,
-        ),
+        mesh=part.mesh.with_more(instance.mesh),
         sets=part.sets + instance.sets,
         surfaces=part.surfaces + instance.surfaces,
     )
@@ -161,7 +162,7 @@ def _opened(block: Block, containers: list[Container]) -> Container:
     for parameter in ("INSTANCE", "LIBRARY"):
         if parameter in parameters:
             raise block.line.error(f"*INSTANCE, {parameter}= takes the mesh from another analysis; export it as it is.")
-    opened = Container(kind, name, parameters.get("PART", ""), block.line)
+    opened = Container(kind, name, parameters.get("PART", ""), block.line, budget=containers[0].budget)
     if kind == "INSTANCE":
         for line in block.data:
             with reported(line, kind):

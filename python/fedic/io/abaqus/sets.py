@@ -14,6 +14,8 @@ from fedic.io.abaqus.lines import Line, reported
 
 __all__ = ["SetResolver", "read_set"]
 
+MAX_NESTED = 100
+"""Largest number of sets that contain each other in a chain."""
 _NONE = np.empty(0, dtype=np.int64)
 
 
@@ -100,6 +102,7 @@ class SetResolver:
                 self.outer_names.add((block.kind, block.name.upper()))
             if not block.outer or block.instance in ("", instance):
                 self.blocks.setdefault((block.kind, block.outer, block.name.upper()), []).append(block)
+        self._known: dict[tuple[str, bool, str], Labels] = {}
         elements = np.fromiter(mesh.elements, dtype=np.int64, count=len(mesh.elements))
         self.existing = {"node": np.sort(mesh.node_labels()), "element": np.sort(elements)}
 
@@ -150,6 +153,11 @@ class SetResolver:
             If a set refers to one that does not exist, or to itself.
         """
         key = (kind, outer, name.upper())
+        if key in self._known:
+            return self._known[key]
+        if len(referring) > MAX_NESTED:
+            line = self.blocks[key][0].line
+            raise line.error(f"sets contain each other over more than {MAX_NESTED} levels; give their members.")
         parts = [_NONE]
         for block in self.blocks[key]:
             if name.upper() in referring:
@@ -161,7 +169,8 @@ class SetResolver:
                 parts.append(np.array([node for each in nodes for node in each], dtype=np.int64))
             parts.extend(self._item_members(block, item, chain) for item in block.items)
         found = np.concatenate(parts)
-        return found if any(block.unsorted for block in self.blocks[key]) else np.unique(found)
+        self._known[key] = found if any(block.unsorted for block in self.blocks[key]) else np.unique(found)
+        return self._known[key]
 
     def _item_members(self, block: SetBlock, item: Labels | range | str, chain: tuple[str, ...]) -> Labels:
         if isinstance(item, str):

@@ -38,6 +38,7 @@ class _Reader:
         self.kind = 1
         self.system = 0
         self.loops = 0
+        self.last_node = self.last_element = 0
         self.open: tuple[int, list[int]] | None = None
 
     def read(self) -> None:
@@ -61,7 +62,8 @@ class _Reader:
             raise self.lines.error(f"{name} stands in a loop or a condition, which fedic does not follow; use CDWRITE.")
         with self.lines.reported(name):
             if name == "NBLOCK":
-                self.mesh.nodes.update(read_node_block(self.lines))
+                for node, point in read_node_block(self.lines):
+                    self._add_node(node, point)
             elif name == "EBLOCK":
                 self._element_block([*items, "", ""][1].upper())
             elif name == "CMBLOCK":
@@ -114,18 +116,22 @@ class _Reader:
             if integer(point[1] or "0") > 0 and point[0].upper() == "LOC":
                 raise ValueError("unblocked nodes are not read; write the mesh by CDWRITE,DB in blocks")
             return
-        node = label(str(self._whole(number))) if number else max(self.mesh.nodes, default=0) + 1
+        node = label(str(self._whole(number))) if number else self.last_node + 1
         given = np.array([[self._value(item) if item else 0.0 for item in point]])
         if self.system not in (0, 1):
             raise ValueError(f"nodes in the coordinate system {self.system} are not read, only in 0 and 1")
         x, y, z = (from_cylindrical(given) if self.system == 1 else given)[0].tolist()
-        self.mesh.nodes[node] = (x, y, z)
+        self._add_node(node, (x, y, z))
+
+    def _add_node(self, node: int, point: tuple[float, float, float]) -> None:
+        self.mesh.nodes[node] = point
+        self.last_node = max(self.last_node, node)
 
     def _element(self, name: str, items: list[str]) -> None:
         if name == "EN" and items and items[0].upper().startswith(("R5", "UNBL")):
             raise ValueError("unblocked elements are not read; write the mesh by CDWRITE,DB in blocks")
         numbers = self._integers(items)
-        element = numbers.pop(0) if name == "EN" and numbers else max(self.mesh.elements, default=0) + 1
+        element = numbers.pop(0) if name == "EN" and numbers else self.last_element + 1
         self.open = (element, numbers)
 
     def _close(self) -> None:
@@ -137,6 +143,7 @@ class _Reader:
 
     def _add(self, element: int, kind: int, nodes: list[int]) -> None:
         label(str(element))
+        self.last_element = max(self.last_element, element)
         if kind not in self.routines:
             raise ValueError(f"element {element} is of the type {kind}, which no ET command defines")
         routine = self.routines[kind]

@@ -10,6 +10,10 @@ from fedic.io.nastran.cards import Card
 __all__ = ["Systems"]
 
 
+MAX_NESTED = 100
+"""Largest number of systems that depend on each other in a chain."""
+
+
 class Systems:
     """The coordinate systems of a file.
 
@@ -84,6 +88,8 @@ class Systems:
             card, start = self._cards[number]
             if number in self._open:
                 raise card.error(f"the coordinate system {number} depends on itself.")
+            if len(self._open) >= MAX_NESTED:
+                raise card.error(f"more than {MAX_NESTED} coordinate systems depend on each other in a chain.")
             self._open.append(number)
             if card.name.startswith("CORD1"):
                 corners = np.array([self._node(card.label(start + place), card) for place in (1, 2, 3)])
