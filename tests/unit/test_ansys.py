@@ -150,6 +150,8 @@ def test_nodes_may_be_given_in_cylindrical_coordinates(tmp_path: Path) -> None:
         ("ET,1,PLANE182\n", "", "element 1 is of the type 1, which no ET command defines"),
         ("(3i9,6e21.13e3)", "", r"line 5: the format of the block, \(19i9\) for instance, is missing"),
         ("(3i9,6e21.13e3)", "(3i9)", "no columns for coordinates"),
+        ("(3i9,6e21.13e3)", "(3i0,6e21.13e3)", "is missing or is not known"),
+        ("(3i9,6e21.13e3)", "(99999999999999999999i9,6e21.13e3)", "is missing or is not known"),
         (
             "3.0000000000000E+01",
             "3.000000000000XE+01",

@@ -43,6 +43,7 @@ def assert_two_cells(mesh: fedic.Mesh) -> None:
         f"BEGIN BULK\n{SMALL}CQUAD4,1,7,1,2,3,4\nCQUAD4,2,7,2,5,6,3,30.\nENDDATA",
         f"BEGIN BULK\n{SMALL}CQUAD4\t1\t7\t1\t2\t3\t4\nCQUADR  2       7       2       5       6       3       5\n",
         f"BEGIN BULK\n{SMALL}{QUADS}CBUSH,9,1,1,2\nRBE2,8,1,123,2,3\nCQUAD4,2,7,2,5,6,3,30.0\n{SMALL}ENDDATA",
+        f"BEGIN BULK\n{SMALL}{QUADS}PBARL,9,1,,,,,,,,,,5.\nMAT9,1,2,+X\n+Y,3\n",
         f"BEGIN BULK\n{SMALL}{QUADS}PSHELL,7,1,1.5-3\nMAT1,1,7.+10,,.3 $ \xe9paisseur\nENDDATA",
     ],
 )

@@ -57,6 +57,8 @@ def integer(text: str) -> int:
     ValueError
         If the text is no whole number or the number is too large.
     """
+    if len(text) < 19 and text.isdigit() and text.isascii():
+        return int(text)
     if _INTEGER.fullmatch(text) is None:
         raise ValueError(f"{shown(text)} is not a whole number")
     value = int(text) if len(text) <= 20 else _LARGEST + 1

@@ -8,6 +8,7 @@ from fedic.io.ansys.lines import Lines
 
 __all__ = ["read_element_block", "read_integers", "read_node_block"]
 
+_MOST_COLUMNS = 200
 _FORMAT = re.compile(r"\(\s*(\d*)i(\d+)\s*(?:,\s*(\d*)[a-z](\d+)(?:\.\d+(?:e\d+)?)?)?[^)]*\)", re.IGNORECASE)
 
 
@@ -123,7 +124,7 @@ def read_integers(lines: Lines, name: str, count: int | None = None) -> Iterator
 def _format(lines: Lines) -> re.Match[str]:
     line = lines.next()
     match = _FORMAT.match(line.strip()) if line is not None else None
-    if match is None:
+    if match is None or any(number and not 0 < int(number[:4]) <= _MOST_COLUMNS for number in match.groups()):
         raise lines.error("the format of the block, (19i9) for instance, is missing or is not known.")
     return match
 

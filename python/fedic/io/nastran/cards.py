@@ -11,14 +11,20 @@ from fedic.io._numbers import integer, label, real
 __all__ = ["Card", "read_cards"]
 
 
+_SMALL = range(8, 72, 8)
+_LARGE = range(8, 72, 16)
+"""First columns of the fields."""
+
+
 @dataclass
 class Card:
-    """One card: its name in capitals, the fields after the name, and where it begins."""
+    """One card: its name in capitals, the fields after the name, where it begins, and what is wrong with its lines."""
 
     name: str
     fields: list[str]
     source: Path
     number: int
+    fault: str = ""
 
     def error(self, message: str) -> MeshError:
         """Return the error to raise for this card.
@@ -113,6 +119,8 @@ class Card:
         return float(self._value(place, real)) if self.text(place) else 0.0
 
     def _value(self, place: int, convert: Callable[[str], float]) -> float:
+        if self.fault:
+            raise self.error(self.fault)
         try:
             return convert(self.text(place))
         except ValueError as error:
@@ -143,48 +151,50 @@ def read_cards(path: Path) -> Iterator[Card]:
     card: Card | None = None
     marker = ""
     for source, number, line in lines:
-        name, fields, large, end = _fields(line, source, number)
+        name, fields, large, end, fault = _fields(line)
         if not name or name[0] in "+*":
             if card is None:
                 raise MeshError(f"{source}, line {number}: this continuation line belongs to no card.")
             if name.lstrip("+*") and marker and name.lstrip("+* ") != marker:
-                raise card.error("the lines of the card do not follow each other; write them in order.")
+                card.fault = "the lines of the card do not follow each other; write them in order."
             if not large and len(card.fields) % 8:
                 card.fields += [""] * (8 - len(card.fields) % 8)
             card.fields += fields
+            card.fault = card.fault or fault
         else:
             if card is not None:
                 yield card
-            card = Card(name.rstrip("*").strip(), fields, source, number)
+            card = Card(name.rstrip("*").strip(), fields, source, number, fault)
         marker = end.lstrip("+* ")
     if card is not None:
         yield card
 
 
-def _fields(line: str, source: Path, number: int) -> tuple[str, list[str], bool, str]:
-    """Return the name, the data fields, whether they have 16 columns, and the mark of the continuation."""
+def _fields(line: str) -> tuple[str, list[str], bool, str, str]:
+    """Return the name, the data fields, whether they have 16 columns, the mark of the continuation, and a fault."""
+    fault = ""
     if "," in line:
-        name, *items = (item.strip() for item in line.split(","))
+        name, *items = [item.strip() for item in line.split(",")]
         large = name.endswith("*") or name.startswith("*")
         width = 4 if large else 8
-        if any(items[width + 1 :]):
-            raise MeshError(f"{source}, line {number}: more than {width + 2} fields; continue the card on a new line.")
+        if len(items) > width + 1 and any(items[width + 1 :]):
+            fault = f"more than {width + 2} fields in a line; continue the card on a new line."
         fields, end = items[:width], items[width] if len(items) > width else ""
+        fields += [""] * (width - len(fields))
     else:
-        line = line.expandtabs(8)
+        if "\t" in line:
+            line = line.expandtabs(8)
         name = line[:8].strip()
         large = name.endswith("*") or name.startswith("*")
-        size, width = (16, 4) if large else (8, 8)
-        fields = [line[8 + size * index : 8 + size * (index + 1)].strip() for index in range(width)]
+        fields = [line[start : start + 16 if large else start + 8].strip() for start in (_LARGE if large else _SMALL)]
         end = line[72:80].strip()
-    fields += [""] * (width - len(fields))
-    return name.upper(), fields, large, end.upper()
+    return name.upper(), fields, large, end.upper(), fault
 
 
 def _bulk(lines: Iterator[tuple[Path, int, str]]) -> Iterator[tuple[Path, int, str]]:
     """Yield the lines of the bulk data."""
     kept = list(lines)
-    starts = [index for index, (_, _, line) in enumerate(kept) if line.upper().split()[:1] == ["BEGIN"]]
+    starts = [index for index, (_, _, line) in enumerate(kept) if line.lstrip()[:6].upper().rstrip() == "BEGIN"]
     for index in starts:
         source, number, line = kept[index]
         words = line.upper().replace("=", " ").split()
@@ -193,7 +203,7 @@ def _bulk(lines: Iterator[tuple[Path, int, str]]) -> Iterator[tuple[Path, int, s
                 f"{source}, line {number}: superelements and modules are not read; export one mesh for all of them."
             )
     for item in kept[starts[0] + 1 if starts else 0 :]:
-        if item[2].upper().split(",")[0].split()[:1] == ["ENDDATA"]:
+        if item[2].lstrip()[:7].upper() == "ENDDATA":
             return
         yield item
 
@@ -201,10 +211,9 @@ def _bulk(lines: Iterator[tuple[Path, int, str]]) -> Iterator[tuple[Path, int, s
 def _lines(files: Includes, path: Path, including: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
     """Yield the lines of a file and of those it includes that are neither blank nor comments."""
     for number, text in enumerate(files.read(path), start=1):
-        line = text.split("$")[0].rstrip()
-        words = line.split(maxsplit=1)
-        if words and words[0].upper() == "INCLUDE" and len(words) == 2:
-            included = files.find(words[1].strip("'\" "), number, including)
+        line = text.partition("$")[0].rstrip()
+        if line[:1] in "Ii \t" and line.lstrip()[:7].upper() == "INCLUDE":
+            included = files.find(line.lstrip()[7:].strip("'\" \t"), number, including)
             yield from _lines(files, included, (*including, included))
-        elif words:
+        elif line:
             yield path, number, line

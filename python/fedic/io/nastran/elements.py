@@ -62,7 +62,8 @@ def element_of(card: Card) -> Element | None:
     given = [place < len(fields) and fields[place] not in ("", "0") for place in places]
     for count in sorted(kind.cells, reverse=True):
         if all(given[:count]) and not any(given[count:]):
-            return Element(kind.cells[count], tuple(card.label(3 + place) for place in places[:count]))
+            return Element(kind.cells[count], tuple([card.label(3 + place) for place in places[:count]]))
+    card.label(1)
     missing = sorted(place + 1 for place, there in zip(places, given, strict=True) if not there)
     raise card.error(
         f"the {card.name} element {card.text(1)} lacks the nodes {', '.join(map(str, missing))} of {most}; "
