@@ -6,13 +6,12 @@ from fedic.io._coordinates import Array, axes, from_cylindrical, rotated
 from fedic.io._numbers import integer, label, real
 from fedic.io.abaqus.blocks import Block
 from fedic.io.abaqus.container import Container
+from fedic.io.abaqus.geometry import arc, reflected
 from fedic.io.abaqus.lines import Line, reported
 from fedic.io.abaqus.node_commands import add_set, cartesian, reals, to_global
 from fedic.io.abaqus.sets import SetResolver
 
 __all__ = ["copy_nodes", "fill_nodes", "generate_nodes", "map_nodes"]
-
-_SAME_RADIUS = 1e-3
 
 
 def generate_nodes(container: Container, block: Block) -> None:
@@ -44,7 +43,7 @@ def generate_nodes(container: Container, block: Block) -> None:
             ends = container.coordinates([first, last])
             shares = np.arange(1, len(labels) + 1) / (len(labels) + 1)
             if curve:
-                points = _arc(ends, _centre(container, block, line), _normal(line), shares)
+                points = arc(ends, _centre(container, block, line), _normal(line), shares)
             else:
                 points = ends[0] + np.outer(shares, ends[1] - ends[0])
         container.add_nodes(list(labels), points)
@@ -124,7 +123,7 @@ def copy_nodes(container: Container, block: Block) -> None:
         points, new = container.coordinates(old), list[int]()
         if "REFLECT" in parameters:
             given = np.array([real(item) for line in data for item in line.items() if item])
-            copies = [_reflected(points, parameters["REFLECT"].upper(), given)]
+            copies = [reflected(points, parameters["REFLECT"].upper(), given)]
         elif "SHIFT" in parameters and data:
             shift, turn = reals(data[0], 3), reals(data[1], 7) if len(data) > 1 else np.zeros(7)
             if times > 1 and shift.any() and turn[6]:
@@ -216,39 +215,3 @@ def _centre(container: Container, block: Block, line: Line) -> Array:
 def _normal(line: Line) -> Array:
     items = [*line.items(), *[""] * 10]
     return np.array([real(item) if item else 0.0 for item in items[7:10]])
-
-
-def _arc(ends: Array, centre: Array, normal: Array, shares: Array) -> Array:
-    """Return points on an arc between two ends; it is shorter than half a turn unless a normal is given."""
-    start, end = ends - centre
-    radii = np.linalg.norm([start, end], axis=1)
-    if abs(radii[1] - radii[0]) > _SAME_RADIUS * radii.max():
-        raise ValueError("the two ends are not equally far from the centre of the circle")
-    axis = normal if normal.any() else np.cross(start, end)
-    if np.linalg.norm(axis) <= 1e-9 * (radii[0] * radii[1] if not normal.any() else 0.0):
-        raise ValueError("an arc of half a turn needs its normal")
-    axis = axis / np.linalg.norm(axis)
-    angle = np.arctan2(np.cross(start, end) @ axis, start @ end) % (2.0 * np.pi)
-    angle = angle or 2.0 * np.pi
-    radius = radii[0] + shares * (radii[1] - radii[0])
-    across = np.cross(axis, start)
-    turned = np.outer(np.cos(shares * angle), start) + np.outer(np.sin(shares * angle), across)
-    points: Array = centre + turned * (radius / radii[0])[:, np.newaxis]
-    return points
-
-
-def _reflected(points: Array, how: str, given: Array) -> Array:
-    """Return points reflected through a point, a line by two points or a plane by three."""
-    needed = {"POINT": 3, "LINE": 6, "MIRROR": 9}.get(how)
-    if needed is None or len(given) != needed:
-        raise ValueError(f"REFLECT={how} with {len(given)} coordinates is not known")
-    a, *others = given.reshape(-1, 3)
-    arms = points - a
-    if how == "POINT":
-        return np.asarray(a - arms)
-    direction = others[0] - a if how == "LINE" else np.cross(others[0] - a, others[1] - a)
-    length = np.linalg.norm(direction)
-    if length == 0.0:
-        raise ValueError("the points of the line or plane lie together")
-    along = np.outer(arms @ direction, direction) / length**2
-    return np.asarray(a + (2.0 * along - arms if how == "LINE" else arms - 2.0 * along))
