@@ -48,6 +48,7 @@ def assert_two_cells(path: Path) -> fedic.Mesh:
         ("3, 10., 10., 0.", "3, <side>, <side>"),
         ("\n", "\r\n"),
         ("\n", "\r"),
+        ("2, 2, 5, 6, 3\n", "2, 2, 5, 6, 3\n\x1a"),
     ],
 )
 def test_what_abaqus_reads_is_read(tmp_path: Path, old: str, new: str) -> None:

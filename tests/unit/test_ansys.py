@@ -69,6 +69,8 @@ COMMANDS = "".join(f"N,{i},{x},{y}\n" for i, (x, y) in enumerate(POINTS, 1))
         f"{node_block(POINTS)}{element_block(QUADS)}",
         f"/PREP7\nET,1,42 $ MP,EX,1,2E5\n{COMMANDS}E,1,5,6,4 $ E,5,2,3,6\n",
         f"/prep7\net,3,SHELL63\ntype,3\nw=100\n{COMMANDS.replace('100', 'W')}en,1,1,5,6,4\nEN,2,5,2,3,6 ! last\n",
+        f"/PREP7\nET,1,MESH200,6\n{COMMANDS}E,1,5,6,4\nE,5,2,3,6\n",
+        f"/PREP7\nET,1,200\nKEYOPT,1,1,6\n{node_block(POINTS)}{element_block(QUADS)}",
         f"/PREP7\nET,1,42\nET,2,CONTA172\nTYPE,2\n{COMMANDS}E,1,2\nTYPE,1\nE,1,5,6,4\nE,5,2,3,6\n",
     ],
 )

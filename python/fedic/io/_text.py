@@ -80,7 +80,7 @@ def _bytes(path: Path, count: int) -> bytes:
 
 
 def _split(text: str) -> list[str]:
-    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return text.rstrip("\x1a").replace("\r\n", "\n").replace("\r", "\n").split("\n")
 
 
 def _decoded(data: bytes) -> str:

@@ -9,7 +9,7 @@ __all__ = ["ElementType", "element_type"]
 
 _CELL_NAMES = {suffix: name for name, cell in CELL_TYPES.items() for suffix in cell.abaqus_suffixes}
 _SUFFIXES = "|".join(sorted(_CELL_NAMES, key=len, reverse=True))
-_SURFACE = re.compile(rf"(?:CPS|CPE|CPEG|CAX|CGAX|M3D|SFM3D|R3D|S|STRI|DS|DC2D|DCAX|AC2D|ACAX|Q2D)({_SUFFIXES})(?!\d)")
+_SURFACE = re.compile(rf"(?:CPS|CPE|CPEG|CAX|CGAX|M3D|SFM3D|R3D|S|STRI|DS|DC2D|DCAX|AC2D|ACAX)({_SUFFIXES})(?!\d)")
 _VOLUME = re.compile(r"(?:C3D|DC3D|DCC3D|AC3D|EC3D|Q3D|CSS|SC)(4|5|6|8|10|15|20)(?![\dV])")
 _VOLUMES = {
     "4": ("tetra", 4),

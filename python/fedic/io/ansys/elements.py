@@ -4,7 +4,10 @@ from collections.abc import Sequence
 
 from fedic.io._labelled_mesh import Element
 
-__all__ = ["element_of", "is_known"]
+__all__ = ["MESH_ONLY", "element_of", "is_known"]
+
+MESH_ONLY = {4: 182, 5: 2, 6: 182, 7: 183, 8: 285, 9: 187, 10: 185, 11: 186}
+"""For the first option of ``MESH200`` a type of the same shape."""
 
 _QUAD4 = {13, 25, 28, 41, 42, 43, 55, 57, 63, 67, 75, 131, 143, 157, 162, 163, 181, 182, 212, 222, 292}
 _QUAD8 = {53, 77, 78, 82, 83, 91, 93, 99, 121, 132, 183, 213, 223, 230, 233, 238, 281, 293}

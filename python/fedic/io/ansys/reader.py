@@ -10,7 +10,7 @@ from fedic.io._labelled_mesh import LabelledMesh, Labels
 from fedic.io._mesh_file import MeshFile
 from fedic.io._numbers import integer, label, real
 from fedic.io.ansys.blocks import read_element_block, read_integers, read_node_block
-from fedic.io.ansys.elements import element_of, is_known
+from fedic.io.ansys.elements import MESH_ONLY, element_of, is_known
 from fedic.io.ansys.lines import Lines
 
 __all__ = ["read_ansys"]
@@ -23,6 +23,7 @@ _CHANGING = {
     *("ESURF", "EINTF", "ESLN_", "/INPUT", "*USE", "*REPEAT"),
 }
 """Commands that make or change the mesh by what fedic does not follow."""
+_MESH200 = 200
 _LOOPS = {"*DO": 1, "*ENDDO": -1, "*IF": 1, "*ENDIF": -1, "*DOWHILE": 1}
 
 
@@ -35,6 +36,7 @@ class _Reader:
         self.components: list[tuple[str, str, list[int]]] = []
         self.routines: dict[int, int] = {}
         self.values: dict[str, float] = {}
+        self.options: dict[int, int] = {}
         self.kind = 1
         self.system = 0
         self.loops = 0
@@ -80,11 +82,14 @@ class _Reader:
                 self._setting(name, items)
 
     def _setting(self, name: str, items: list[str]) -> None:
-        first, second, *_ = [*items, "", ""]
+        first, second, third, *_ = [*items, "", "", ""]
         if name == "ET":
             digits = second[len(second.rstrip("0123456789")) :]
             if digits:
                 self.routines[self._whole(first)] = integer(digits)
+                self.options[self._whole(first)] = self._whole(third) if third else 0
+        elif name in ("KEYOPT", "KEYOP", "KEYO") and second == "1":
+            self.options[self._whole(first)] = self._whole(third)
         elif name == "TYPE":
             self.kind = self._whole(first)
         elif name == "CSYS":
@@ -147,6 +152,8 @@ class _Reader:
         if kind not in self.routines:
             raise ValueError(f"element {element} is of the type {kind}, which no ET command defines")
         routine = self.routines[kind]
+        if routine == _MESH200:
+            routine = MESH_ONLY.get(self.options.get(kind, 0), routine)
         if not is_known(routine):
             self.mesh.others.setdefault(f"Ansys type {routine}")
             return
