@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fedic
@@ -20,6 +20,7 @@ def test_an_instance_is_moved_and_then_turned(tmp_path: Path) -> None:
     assert set(mesh.sets) == {"Body", "Left"}
 
 
+@settings(deadline=None, max_examples=50)
 @given(
     st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=3),
     st.lists(st.floats(-10, 10), min_size=3, max_size=3),

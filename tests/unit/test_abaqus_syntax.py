@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fedic
@@ -183,6 +183,7 @@ def test_a_message_shows_only_the_beginning_of_what_a_file_holds(tmp_path: Path)
     assert "long" not in str(error.value)
 
 
+@settings(deadline=None, max_examples=50)
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from("eEdD"))
 def test_numbers_with_any_exponent_letter_are_the_same(value: float, letter: str) -> None:
     text = f"{value:.17e}"
