@@ -96,7 +96,9 @@ def test_a_rigid_part_is_left_out_and_can_be_selected(tmp_path: Path, placed: bo
     name = "Pin-1" if placed else "Pin"
     assert {name, f"{name}.Skin"} <= set(file.surfaces)
     assert surface_points(file, name).max() == 6.0
-    assert fedic.read_mesh(tmp_path / "model.inp").num_cells == 1
+    mesh = fedic.read_mesh(tmp_path / "model.inp")
+    assert (mesh.num_cells, mesh.points.shape) == (1, (8, 2))
+    assert fedic.read_mesh(f"{tmp_path / 'model.inp'}#{name}").points.shape == (8, 3)
 
 
 def test_rigid_elements_without_parts_need_a_rigid_body(tmp_path: Path) -> None:
@@ -114,6 +116,8 @@ def test_rigid_elements_without_parts_need_a_rigid_body(tmp_path: Path) -> None:
 def test_several_parts_without_an_assembly_need_a_selection(tmp_path: Path) -> None:
     file = contents(tmp_path, PLATE + PLATE.replace("Plate", "Other"))
     assert {"Plate", "Plate.Body", "Other"} <= set(file.cell_sets)
+    chosen = fedic.read_mesh(f"{tmp_path / 'model.inp'}#Other")
+    assert chosen.sets["Other.Body"].cells.tolist() == [0]
     with pytest.raises(fedic.MeshError, match=r"2 parts .* select one: model\.inp#Plate, model\.inp#Other\.$"):
         fedic.read_mesh(tmp_path / "model.inp")
 

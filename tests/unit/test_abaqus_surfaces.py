@@ -23,6 +23,7 @@ def test_surfaces_of_solids_are_kept_apart(tmp_path: Path) -> None:
     assert set(surface_points(file, "End")[:, 0]) == {2.0}
     with pytest.raises(fedic.MeshError, match="cells found: hexahedron"):
         fedic.read_mesh(tmp_path / "model.inp")
+    assert fedic.read_mesh(f"{tmp_path / 'model.inp'}#FRONT").areas() == pytest.approx([1.0, 1.0])
 
 
 @pytest.mark.parametrize(

@@ -138,6 +138,16 @@ def test_missing_files_are_reported_on_loading(folder: Path) -> None:
         load(folder, VALID.replace(rectangle, '[mesh]\nfile = "plate.msh"\n'))
 
 
+def test_a_part_of_a_mesh_file_is_chosen(folder: Path) -> None:
+    rectangle = VALID[VALID.index("[mesh.rectangle]") : VALID.index("[camera]")]
+    plate = fedic.rectangle_mesh((0, 0, 2, 1), 1.0).with_sets({"SKIN": fedic.MeshSet(cells=[1])})
+    plate.write(folder / "plate.vtu")
+    config = load(folder, VALID.replace(rectangle, '[mesh]\nfile = "plate.vtu#skin"\n'))
+    assert config.mesh.build().num_cells == 1
+    with pytest.raises(fedic.MeshError, match=r"mesh\.file names .*none\.vtu, which does not exist"):
+        load(folder, VALID.replace(rectangle, '[mesh]\nfile = "none.vtu#skin"\n'))
+
+
 def test_the_example_lists_every_key(repository: Path) -> None:
     text = (repository / "examples" / "openhole.toml").read_text()
     lines = {line.lstrip("# ").split(" = ")[0] for line in text.splitlines()}

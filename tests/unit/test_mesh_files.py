@@ -38,7 +38,7 @@ def test_a_mesh_reads_back_the_same(tmp_path: Path, cell: str, suffix: str) -> N
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 
 
-@pytest.mark.parametrize("suffix", [".vtu", ".inp"])
+@pytest.mark.parametrize("suffix", [".vtu", ".inp", ".med", ".xdmf"])
 def test_sets_over_several_cell_types_read_back_the_same(tmp_path: Path, suffix: str) -> None:
     points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0], [9.0, 9.0]]
     cells = {"quad": [[0, 1, 2, 3]], "triangle": [[1, 4, 5], [1, 5, 2]]}

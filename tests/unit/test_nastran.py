@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.io import _solid_faces
-from fedic.io.nastran import read_nastran
+from fedic.io.mesh_parts import SOLIDS, faces_of
 
 POINTS = [[0, 0], [10, 0], [10, 10], [0, 10], [20, 0], [20, 10]]
 SMALL = "".join(f"GRID    {i:<8}        {x:<8}{y:<8}0.\n" for i, (x, y) in enumerate(POINTS, 1))
@@ -139,10 +138,10 @@ def test_middle_nodes_of_solids_lie_on_their_edges(tmp_path: Path, gmsh: Any) ->
         reader = program_reader(Path(name))
         assert reader is not None
         file = reader(Path(name))
-        solids = {cell: nodes for cell, nodes in file.blocks if _solid_faces.face_nodes(cell)}
+        solids = {cell: nodes for cell, nodes in file.blocks if cell in SOLIDS}
         assert set(solids) == {"tetra10", "wedge15", "hexahedron20"}
         for cell, nodes in solids.items():
-            for _, places in _solid_faces.face_nodes(cell):
+            for _, places in faces_of(cell):
                 corners, middle = np.split(file.points[nodes[:, places]], 2, axis=1)
                 np.testing.assert_allclose(middle, (corners + np.roll(corners, -1, axis=1)) / 2, atol=1e-5)
 
@@ -179,8 +178,6 @@ def test_a_continuation_of_nothing_is_refused(tmp_path: Path) -> None:
 
 
 def test_elements_given_by_two_numbers_are_one_cell_of_both_sets(tmp_path: Path) -> None:
-    file = tmp_path / "plate.bdf"
-    file.write_text(f"{SMALL}{QUADS}CQUAD4,3,8,2,5,6,3\nCBAR,9,3,1,2,0.,0.,1.\n")
-    contents = read_nastran(file)
-    assert [(name, len(nodes)) for name, nodes in contents.blocks] == [("quad", 2), ("line", 1)]
-    assert {name: rows[0].tolist() for name, rows in contents.cell_sets.items()} == {"PID 7": [0, 1], "PID 8": [1]}
+    mesh = read(tmp_path, f"{SMALL}{QUADS}CQUAD4,3,8,2,5,6,3\nCBAR,9,3,1,2,0.,0.,1.\n")
+    assert mesh.num_cells == 2
+    assert {name: each.cells.tolist() for name, each in mesh.sets.items()} == {"PID 7": [0, 1], "PID 8": [1]}

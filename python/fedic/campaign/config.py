@@ -33,7 +33,7 @@ from fedic.cameras.poses import with_pose
 from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.errors import CameraError, ConfigError, ImageError, MeshError
-from fedic.io.meshes import read_mesh
+from fedic.io.meshes import read_mesh, split_choice
 from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
 
@@ -222,9 +222,10 @@ def _check_files(path: Path, config: Config) -> None:
     for key, image in (("reference", config.images.reference), *(("deformed", d) for d in config.images.deformed)):
         if not image.is_file():
             raise ImageError(f"{path}: images.{key} names {image}, which does not exist.")
-    mesh = config.mesh.file
-    if mesh is not None and not mesh.is_file():
-        raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
+    if config.mesh.file is not None:
+        mesh, _ = split_choice(config.mesh.file)
+        if not mesh.is_file():
+            raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
     if isinstance(config.camera, CameraFileSection):
         if not config.camera.file.is_file():
             raise CameraError(f"{path}: camera.file names {config.camera.file}, which does not exist.")

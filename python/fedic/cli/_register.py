@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def register_command(
-    mesh: Annotated[Path, typer.Argument(metavar="MESH", help="Mesh file.")],
+    mesh: Annotated[Path, typer.Argument(metavar="MESH", help="Mesh file, or a part of it: plate.msh#SKIN.")],
     image: Annotated[Path, typer.Argument(metavar="IMAGE", help="Reference image of the specimen.")],
     camera: Annotated[Path, typer.Argument(metavar="CAMERA", help="Camera file, with a rough pose.")],
     feature: Annotated[

@@ -130,7 +130,7 @@ class LabelledMesh:
     def contents(
         self, path: Path, node_sets: Mapping[str, Labels], element_sets: Mapping[str, Labels], *, keep_apart: bool
     ) -> MeshFile:
-        """Return the contents by index; surface elements on the same nodes become one cell, in all of their sets.
+        """Return the contents by index.
 
         Parameters
         ----------
@@ -161,10 +161,9 @@ class LabelledMesh:
         contents.node_sets = {name: nodes.present(labels) for name, labels in node_sets.items()}
         contents.cell_sets = {name: [] for name in element_sets}
         for (cell, apart), labels in groups.items():
-            table = self._connectivity(path, labels, nodes)
-            cells, rows = _each_once(table) if cell in CELL_TYPES else (table, np.arange(len(table)))
+            cells = self._connectivity(path, labels, nodes)
             numbering = Numbering(np.array(labels, dtype=np.int64))
-            members = {name: np.unique(rows[numbering.present(wanted)]) for name, wanted in element_sets.items()}
+            members = {name: numbering.present(wanted) for name, wanted in element_sets.items()}
             if not apart:
                 contents.blocks.append((cell, cells))
                 for name, at in members.items():
@@ -194,10 +193,3 @@ class LabelledMesh:
                 f"{path}: element {labels[row]} refers to node {table[row, column]}, which the file does not define."
             )
         return places
-
-
-def _each_once(table: Labels) -> tuple[Labels, Labels]:
-    """Return the cells without those on the nodes of an earlier one, and the row there of each given cell."""
-    _, first, inverse = np.unique(np.sort(table, axis=1), axis=0, return_index=True, return_inverse=True)
-    kept = np.sort(first)
-    return table[kept], np.searchsorted(kept, first)[inverse.ravel()]

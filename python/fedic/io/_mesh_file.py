@@ -1,15 +1,21 @@
 """Contents of a mesh file, as the readers of the formats return it."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import CELL_TYPES, MeshSet
+from fedic.errors import MeshError
 
-__all__ = ["MeshFile"]
+__all__ = ["Block", "Indices", "MeshFile", "is_unknown_surface", "unreadable"]
 
 Indices = NDArray[np.int64]
+Block = tuple[str, Indices]
+"""Name of a type of cells, and the nodes of its cells, shape (m, k)."""
+
+_SURFACE_FAMILIES = ("triangle", "quad", "polygon", "VTK_LAGRANGE_TRI", "VTK_LAGRANGE_QUAD")
 
 
 @dataclass
@@ -21,25 +27,26 @@ class MeshFile:
     points : ndarray, shape (n, 2) or (n, 3)
         Nodes in the order of the file.
     blocks : list of (str, ndarray of int, shape (m, k))
-        Cells of one type each: surface cells under their name in `CELL_TYPES`, lines and volumes under their name in
-        meshio (``"line"``, ``"tetra10"``, ``"hexahedron20"``), others under any other name.
+        Cells of one type each: surface cells under their name in `CELL_TYPES`, lines and solids under meshio's name
+        and in its order of nodes, others under any other name.
     node_sets : dict of str to ndarray of int
         Nodes of each named set.
     cell_sets : dict of str to list of ndarray of int
         Cells of each named set: for each block, indices in the block.
     surfaces : dict of str to list of (str, ndarray of int, shape (m, k))
-        Named faces of solids and rigid parts as surface cells, used only if they are chosen by name.
+        Surface cells that are no part of the mesh as a whole and can be chosen by name: named faces of solids, for
+        instance.
     parts : dict of str to list of ndarray of int
         As `cell_sets`: blocks and numbered groups, which can be chosen by name and are no sets of the mesh.
     needs_selection : str
-        Why the file as a whole is not one mesh, and what can be selected; empty if it is one.
+        Why the file as a whole is not one mesh, and what can be chosen; empty if it is one.
     """
 
     points: NDArray[np.float64]
-    blocks: list[tuple[str, Indices]]
+    blocks: list[Block]
     node_sets: dict[str, Indices] = field(default_factory=dict)
     cell_sets: dict[str, list[Indices]] = field(default_factory=dict)
-    surfaces: dict[str, list[tuple[str, Indices]]] = field(default_factory=dict)
+    surfaces: dict[str, list[Block]] = field(default_factory=dict)
     parts: dict[str, list[Indices]] = field(default_factory=dict)
     needs_selection: str = ""
 
@@ -51,8 +58,7 @@ class MeshFile:
         dict of str to ndarray of int, shape (m, k)
             Blocks of one type are joined.
         """
-        names = dict.fromkeys(name for name, _ in self.blocks if name in CELL_TYPES)
-        return {name: np.concatenate([nodes for each, nodes in self.blocks if each == name]) for name in names}
+        return joined([block for block in self.blocks if block[0] in CELL_TYPES])
 
     def sets(self) -> dict[str, MeshSet]:
         """Return the named sets, their cells numbered as in `surface_cells`.
@@ -75,6 +81,34 @@ class MeshFile:
                 sets[name] = MeshSet(nodes, np.concatenate([np.empty(0, dtype=np.int64), *cells]))
         return sets
 
+    def check_nodes(self, path: Path) -> None:
+        """Check that the cells and sets refer to nodes of the file.
+
+        Parameters
+        ----------
+        path : Path
+            The file, for the message.
+
+        Raises
+        ------
+        MeshError
+            If a cell, face or set has a node that does not exist.
+        """
+        faces = [block for blocks in self.surfaces.values() for block in blocks]
+        for name, nodes in [*self.blocks, *faces]:
+            outside = (nodes < 0) | (nodes >= len(self.points))
+            if outside.any():
+                row, column = np.argwhere(outside)[0]
+                raise MeshError(
+                    f"{path}: the {name} cell {row} refers to node {nodes[row, column]} (counted from 0), but the file "
+                    f"has {len(self.points)} nodes; the file is damaged."
+                )
+        for name, nodes in self.node_sets.items():
+            if len(nodes) and (nodes.min() < 0 or nodes.max() >= len(self.points)):
+                raise MeshError(
+                    f"{path}: the set {name!r} refers to a node that the file does not have; the file is damaged."
+                )
+
     def _starts(self) -> list[int | None]:
         """Return the index of the first cell of each block, None for blocks without surface cells."""
         sizes = {name: len(nodes) for name, nodes in self.surface_cells().items()}
@@ -85,3 +119,54 @@ class MeshFile:
             if name in next_cell:
                 next_cell[name] += len(nodes)
         return starts
+
+
+def joined(blocks: list[Block]) -> dict[str, Indices]:
+    """Join blocks of one type.
+
+    Parameters
+    ----------
+    blocks : list of (str, ndarray of int, shape (m, k))
+        Cells.
+
+    Returns
+    -------
+    dict of str to ndarray of int, shape (m, k)
+        The types in the order in which they first appear.
+    """
+    names = dict.fromkeys(name for name, _ in blocks)
+    return {name: np.concatenate([nodes for each, nodes in blocks if each == name]) for name in names}
+
+
+def is_unknown_surface(name: str) -> bool:
+    """Return whether cells of this name are surface cells that fedic does not measure on.
+
+    Parameters
+    ----------
+    name : str
+        Name of a type of cells.
+
+    Returns
+    -------
+    bool
+        True for instance for ``"triangle10"`` and ``"polygon"``.
+    """
+    return name not in CELL_TYPES and name.startswith(_SURFACE_FAMILIES)
+
+
+def unreadable(path: Path, reason: str) -> MeshError:
+    """Return the error of a file that cannot be read.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    reason : str
+        What is wrong, without a full stop at its end.
+
+    Returns
+    -------
+    MeshError
+        To be raised.
+    """
+    return MeshError(f"{path}: the mesh file cannot be read ({reason}).")

@@ -11,7 +11,7 @@ from fedic.io.ansys import read_ansys
 from fedic.io.nastran import read_nastran
 from fedic.io.unv import read_unv
 
-__all__ = ["program_reader"]
+__all__ = ["PROGRAM_SUFFIXES", "program_reader"]
 
 _Reader = Callable[[Path], MeshFile]
 _BY_SUFFIX: dict[str, _Reader] = {
@@ -21,6 +21,9 @@ _BY_SUFFIX: dict[str, _Reader] = {
     ".cdb": read_ansys,
     ".unv": read_unv,
 }
+_BY_CONTENTS = (".inp", ".dat")
+PROGRAM_SUFFIXES = (*_BY_SUFFIX, *_BY_CONTENTS)
+"""Suffixes of the files of finite element programs."""
 _ABAQUS = re.compile(
     r"\*\s*(HEADING|NODE|ELEMENT|PART|INCLUDE|NSET|ELSET|SYSTEM|PREPRINT|ASSEMBLY|PARAMETER|NGEN)\b", re.IGNORECASE
 )
@@ -52,7 +55,7 @@ def program_reader(path: Path) -> Callable[[Path], MeshFile] | None:
         If the file cannot be read.
     """
     suffix = path.suffix.lower()
-    if suffix not in (".inp", ".dat"):
+    if suffix not in _BY_CONTENTS:
         return _BY_SUFFIX.get(suffix)
     for line in first_lines(path):
         text = line.strip()

@@ -5,10 +5,10 @@ import numpy as np
 from fedic._core import CELL_TYPES
 from fedic.io._labelled_mesh import Element, Numbering
 from fedic.io._mesh_file import Indices
-from fedic.io._solid_faces import face_nodes
 from fedic.io.abaqus.blocks import Block
 from fedic.io.abaqus.container import SurfaceBlock
 from fedic.io.abaqus.sets import SetResolver
+from fedic.io.mesh_parts import SOLIDS, faces_of
 
 __all__ = ["read_surface", "surface_cells"]
 
@@ -78,7 +78,8 @@ def _face(element: Element, side: str) -> _Face | None:
     """Return one face of a volume element, or a shell as its own face."""
     if element.cell in CELL_TYPES:
         return (element.cell, element.nodes) if side in ("SPOS", "SNEG") else None
-    faces = face_nodes(element.cell)
+    # The faces are numbered as Abaqus numbers them.
+    faces = faces_of(element.cell) if element.cell in SOLIDS else []
     if side[:1] != "S" or not side[1:].isdigit() or not 1 <= int(side[1:]) <= len(faces):
         return None
     cell, places = faces[int(side[1:]) - 1]
@@ -89,14 +90,14 @@ def _free_faces(resolver: SetResolver, members: list[Element]) -> list[_Face]:
     """Return the outer faces of volume elements, and shells themselves."""
     shared: dict[frozenset[int], int] = {}
     for element in resolver.mesh.elements.values():
-        for _, places in face_nodes(element.cell):
+        for _, places in faces_of(element.cell) if element.cell in SOLIDS else []:
             key = frozenset(element.nodes[place] for place in places)
             shared[key] = shared.get(key, 0) + 1
     found: list[_Face] = []
     for element in members:
         if element.cell in CELL_TYPES:
             found.append((element.cell, element.nodes))
-        for cell, places in face_nodes(element.cell):
+        for cell, places in faces_of(element.cell) if element.cell in SOLIDS else []:
             labels = tuple(element.nodes[place] for place in places)
             if shared[frozenset(labels)] == 1:
                 found.append((cell, labels))

@@ -1,0 +1,1 @@
+"""Small mesh files in many variants of the formats that fedic reads."""
