@@ -330,11 +330,8 @@ def test_errors_in_abaqus_files_are_refused(tmp_path: Path) -> None:
     path.write_text("*NODE\n1, 0, 0\n2, 1, 0\n*ELEMENT, TYPE=S3\n7, 1, 2, 99\n")
     with pytest.raises(fedic.MeshError, match="element 7 refers to node 99"):
         fedic.read_mesh(path)
-    path.write_text(CAE_FILE.format(quad="CPS4").replace("*Assembly", CAE_FILE.format(quad="CPS4") + "*Assembly"))
-    with pytest.raises(fedic.MeshError, match="2 parts have surface elements"):
-        fedic.read_mesh(path)
     path.write_text("*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 1, 1, 1\n")
-    with pytest.raises(fedic.MeshError, match="cells found: C3D4"):
+    with pytest.raises(fedic.MeshError, match="cells found: tetra"):
         fedic.read_mesh(path)
 
 

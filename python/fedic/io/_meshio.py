@@ -20,12 +20,9 @@ SET_PREFIX = "set:"
 
 FORMATS = {
     ".avs": "avsucd",
-    ".bdf": "nastran",
     ".dat": "tecplot",
-    ".fem": "nastran",
     ".mesh": "medit",
     ".meshb": "medit",
-    ".nas": "nastran",
     ".obj": "obj",
     ".off": "off",
     ".ply": "ply",
@@ -37,7 +34,7 @@ FORMATS = {
 """Formats that meshio reads for fedic, by suffix; its other readers lose cells or fail on valid files."""
 
 _ZONE = re.compile(rb"(?im)^\s*ZONE\b")
-_TAGS = ("avsucd:material", "medit:ref", "nastran:ref", "netgen:index", "obj:group_ids")
+_TAGS = ("avsucd:material", "medit:ref", "netgen:index", "obj:group_ids")
 """Fields that number the parts of a mesh."""
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from fedic._core import Mesh
 from fedic._internal.types import StrPath
 from fedic.errors import MeshError
-from fedic.io._abaqus import read_abaqus
 from fedic.io._mesh_file import MeshFile
 from fedic.io._meshio import FORMATS
+from fedic.io._programs import PROGRAM_SUFFIXES, program_reader
 from fedic.io._reader_process import read_in_process
 from fedic.io.mesh_parts import check_whole, chosen, without_repeated_cells
 from fedic.io.msh import read_msh
@@ -24,14 +24,13 @@ _READERS: dict[str, Callable[[Path], MeshFile]] = {
     **dict.fromkeys(FORMATS, partial(read_in_process, "meshio")),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), partial(read_in_process, "exodus")),
     **dict.fromkeys((".xdmf", ".xmf"), partial(read_in_process, "xdmf")),
-    ".inp": read_abaqus,
     ".med": partial(read_in_process, "med"),
     ".msh": read_msh,
     ".vtk": read_legacy_vtk,
     ".vtp": read_xml_vtk,
     ".vtu": read_xml_vtk,
 }
-"""Reader of each suffix."""
+"""Reader of each suffix; files of finite element programs are told by `program_reader`."""
 
 MAX_BYTES = 2**32
 """Largest mesh file that is read: 4 GiB, some 50 million cells."""
@@ -54,9 +53,9 @@ def read_mesh(path: StrPath) -> Mesh:
     -------
     Mesh
         With all nodes of the file, in the file's order and unit, so that node ``i`` is still the ``i``-th of the file,
-        also after a choice. Nodes are 2-D if every ``z`` is zero, 3-D otherwise. ``mesh.sets`` holds Abaqus's ``*NSET``
-        and ``*ELSET``, Gmsh's named physical groups and the sets that `Mesh.write` writes, restricted to the part
-        chosen. A set of lines, such as a boundary, holds their nodes.
+        also after a choice. Nodes are 2-D if ``z`` is zero at all nodes of its cells, 3-D otherwise. ``mesh.sets``
+        holds Abaqus's ``*NSET`` and ``*ELSET``, Gmsh's named physical groups and the sets that `Mesh.write` writes,
+        restricted to the part chosen. A set of lines, such as a boundary, holds their nodes.
 
     Raises
     ------
@@ -76,11 +75,12 @@ def read_mesh(path: StrPath) -> Mesh:
         check_whole(file, contents)
     else:
         contents = chosen(file, contents, choice)
-    points = contents.points
-    if points.shape[1] == 3 and not points[:, 2].any():
+    points, cells = contents.points, contents.surface_cells()
+    used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
+    if points.shape[1] == 3 and not points[used, 2].any():
         points = points[:, :2]
     try:
-        return Mesh(np.ascontiguousarray(points, dtype=np.float64), contents.surface_cells(), contents.sets())
+        return Mesh(np.ascontiguousarray(points, dtype=np.float64), cells, contents.sets())
     except MeshError as error:
         raise MeshError(f"{file}: {error}", error.cells, error.nodes) from error
 
@@ -96,11 +96,11 @@ def _reader(file: Path) -> Callable[[Path], MeshFile]:
         raise MeshError(f"{file}: the mesh file cannot be read ({error.strerror}).") from error
     if size > MAX_BYTES:
         raise MeshError(f"{file}: the mesh file has {size} bytes, more than the {MAX_BYTES} that are read.")
-    read = _READERS.get(file.suffix.lower())
+    read = program_reader(file) or _READERS.get(file.suffix.lower())
     if read is None:
         raise MeshError(
             f"{file}: the mesh file cannot be read (the suffix {file.suffix!r} names no format that fedic "
-            f"reads, which are {', '.join(sorted(_READERS))})."
+            f"reads, which are {', '.join(sorted({*_READERS, *PROGRAM_SUFFIXES}))})."
         )
     return read
 
