@@ -16,7 +16,7 @@ from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "formats.md"
-SUBJECTS = ("images", "meshes", "cameras")
+SUBJECTS = ("images", "meshes", "finite_element_programs", "cameras")
 LIBRARIES = (
     "numpy",
     "opencv-python-headless",
