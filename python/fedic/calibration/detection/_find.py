@@ -1,15 +1,17 @@
 """Detection of the points of a target in an image, to a fraction of a pixel."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fedic._internal.types import Floats, Image
+from fedic.calibration.detection._count import goes_on_to, is_pattern, trimmed
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target
 
-__all__ = ["NotFoundError", "find_target"]
+__all__ = ["NotFoundError", "WrongCountError", "find_target"]
 
 _SMALLEST_BLOB = 12.0
 _FEWEST_POINTS = 6
@@ -17,6 +19,10 @@ _FEWEST_POINTS = 6
 
 class NotFoundError(Exception):
     """The target is not in the image; the message names the likely cause."""
+
+
+class WrongCountError(NotFoundError):
+    """The image shows the pattern with more or fewer points than the target has."""
 
 
 def find_target(image: Image, target: Target) -> Observation:
@@ -60,20 +66,55 @@ def _eight_bits(image: Image) -> NDArray[np.uint8]:
 
 
 def _find_chessboard(grey: NDArray[np.uint8], target: Target) -> Floats:
+    """Find the corners by three searches, each checked: none finds every board, and each may find wrong corners."""
     import cv2
 
+    size = target.columns, target.rows
     flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
-    found, corners = cv2.findChessboardCornersSB(grey, (target.columns, target.rows), flags=flags)
-    if found:
-        return np.asarray(corners, dtype=np.float64).reshape(-1, 2)
-    larger = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_LARGER
-    found, _, layout = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), larger)
-    if found and sorted(layout.shape[:2]) != sorted((target.columns, target.rows)):
-        columns, rows = sorted(layout.shape[:2], reverse=target.columns >= target.rows)
-        raise NotFoundError(
-            f"a chessboard of {columns} x {rows} inner corners is found, {target.columns} x {target.rows} were expected"
-        )
+    found, corners = cv2.findChessboardCornersSB(grey, size, flags=flags)
+    if found and is_pattern(grey, target, pixels := _pixels(corners)):
+        return _whole(grey, target, pixels)
+    larger = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_LARGER
+    seen, corners, layout = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), larger)
+    if seen:
+        grid = trimmed(grey, _pixels(corners).reshape(*layout.shape[:2], 2))
+        if grid.shape[:2] == size:
+            grid = grid.transpose(1, 0, 2)
+        other = replace(target, columns=grid.shape[1], rows=grid.shape[0])
+        pixels = grid.reshape(-1, 2)
+        if is_pattern(grey, other, pixels):
+            if (other.columns, other.rows) == size:
+                return _whole(grey, target, pixels)
+            raise _another_count(target, goes_on_to(grey, other, pixels) or (other.columns, other.rows))
+    found, corners = cv2.findChessboardCorners(grey, size, flags=cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK)
+    if found and is_pattern(grey, target, pixels := _pixels(corners)):
+        return _whole(grey, target, pixels)
     raise NotFoundError(f"no complete chessboard of {target.columns} x {target.rows} inner corners is found")
+
+
+def _another_count(target: Target, seen: tuple[int, int]) -> NotFoundError:
+    """Return the fault of a chessboard that is seen with other counts: fewer corners may be a part of it."""
+    own = target.columns, target.rows
+    columns, rows = sorted(seen, reverse=own[0] >= own[1])
+    said = f"a chessboard of {columns} x {rows} inner corners is found, {own[0]} x {own[1]} were expected"
+    more = max(seen) > max(own) or min(seen) > min(own)
+    return WrongCountError(said) if more else NotFoundError(f"{said}: a part of it is not in view, or the count is wrong")
+
+
+def _pixels(found: Any) -> Floats:
+    return np.asarray(found, dtype=np.float64).reshape(-1, 2)
+
+
+def _whole(grey: NDArray[np.uint8], target: Target, pixels: Floats) -> Floats:
+    """Return the points found if the pattern does not go on beyond them."""
+    seen = goes_on_to(grey, target, pixels)
+    if seen is None:
+        return pixels
+    columns, rows = seen
+    what = "inner corners" if target.kind == "chessboard" else "circles"
+    raise WrongCountError(
+        f"the pattern goes on beyond {target.columns} x {target.rows} {what}: at least {columns} x {rows} are seen"
+    )
 
 
 def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
@@ -91,8 +132,8 @@ def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
         for clustering in (0, cv2.CALIB_CB_CLUSTERING):
             size = (target.columns, target.rows)
             found, centres = cv2.findCirclesGrid(picture, size, flags=layout | clustering, blobDetector=detector)
-            if found:
-                return np.asarray(centres, dtype=np.float64).reshape(-1, 2)
+            if found and is_pattern(grey, target, pixels := _pixels(centres)):
+                return _whole(grey, target, pixels)
     count = max(len(detector.detect(grey)), len(detector.detect(255 - grey)))
     raise NotFoundError(
         f"no complete grid of {target.columns} x {target.rows} circles is found; the image has {count} blobs"
