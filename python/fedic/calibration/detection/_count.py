@@ -8,9 +8,10 @@ from fedic.calibration.detection._lattice import SIDES, Lattice, lattice_of
 from fedic.calibration.detection._looks import Crossings, Discs, Look
 from fedic.calibration.target import Target
 
-__all__ = ["goes_on_to", "is_pattern", "trimmed"]
+__all__ = ["grown_pattern", "is_pattern", "trimmed"]
 
 _MOST = 0.8
+_LARGEST_MISFIT = 0.2
 _HALF = 0.5
 _FEWEST_BEYOND = 2
 _LONGEST_GROWTH = 60
@@ -34,6 +35,8 @@ def is_pattern(grey: Image, target: Target, pixels: Floats) -> bool:
         True for a regular pattern. A few points may be hidden, by glare or dirt, but not most of a line at the border.
     """
     lattice = lattice_of(target, pixels)
+    if not lattice.misfit < _LARGEST_MISFIT:
+        return False
     look = _look(grey, target, lattice)
     shown = look.shown(lattice.spots)[0]
     seen = np.isfinite(shown)
@@ -45,8 +48,8 @@ def is_pattern(grey: Image, target: Target, pixels: Floats) -> bool:
     )
 
 
-def goes_on_to(grey: Image, target: Target, pixels: Floats) -> tuple[int, int] | None:
-    """Return the least number of columns and rows of the whole pattern if it goes on beyond the points found.
+def grown_pattern(grey: Image, target: Target, pixels: Floats) -> Lattice:
+    """Return the points found with the lines of the pattern that are seen beyond them.
 
     Parameters
     ----------
@@ -59,8 +62,8 @@ def goes_on_to(grey: Image, target: Target, pixels: Floats) -> tuple[int, int] |
 
     Returns
     -------
-    (int, int) or None
-        Columns and rows; None if nothing of the pattern is seen beyond the border.
+    Lattice
+        The points found alone if nothing of the pattern is seen beyond their border.
     """
     lattice = lattice_of(target, pixels)
     look = _look(grey, target, lattice)
@@ -76,7 +79,7 @@ def goes_on_to(grey: Image, target: Target, pixels: Floats) -> tuple[int, int] |
             continue
         grown += 1
         lattice = lattice.extended(line.moved(np.where((shown == 1.0)[:, np.newaxis], refined, line.pixels)))
-    return lattice.size if grown else None
+    return lattice
 
 
 def trimmed(grey: Image, grid: Floats) -> Floats:

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._internal.types import Floats, Image
-from fedic.calibration.detection._count import goes_on_to, is_pattern, trimmed
+from fedic.calibration.detection._count import grown_pattern, is_pattern, trimmed
+from fedic.calibration.detection._lattice import lattice_of
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target
 
@@ -55,7 +56,7 @@ def find_target(image: Image, target: Target) -> Observation:
     if target.kind == "charuco":
         return _find_charuco(grey, target)
     pixels = _find_chessboard(grey, target) if target.kind == "chessboard" else _find_circles(grey, target)
-    return Observation(target.points, _read_from_the_front(pixels, target))
+    return Observation(target.points, pixels)
 
 
 def _eight_bits(image: Image) -> NDArray[np.uint8]:
@@ -72,22 +73,23 @@ def _find_chessboard(grey: NDArray[np.uint8], target: Target) -> Floats:
     size = target.columns, target.rows
     flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
     found, corners = cv2.findChessboardCornersSB(grey, size, flags=flags)
-    if found and is_pattern(grey, target, pixels := _pixels(corners)):
+    if found and is_pattern(grey, target, pixels := _from_the_front(corners, target)):
         return _whole(grey, target, pixels)
     larger = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_LARGER
     seen, corners, layout = cv2.findChessboardCornersSBWithMeta(grey, (3, 3), larger)
     if seen:
-        grid = trimmed(grey, _pixels(corners).reshape(*layout.shape[:2], 2))
-        if grid.shape[:2] == size:
+        grid = trimmed(grey, np.asarray(corners, dtype=np.float64).reshape(*layout.shape[:2], 2))
+        if (grid.shape[0] > grid.shape[1]) != (target.rows > target.columns):
             grid = grid.transpose(1, 0, 2)
         other = replace(target, columns=grid.shape[1], rows=grid.shape[0])
-        pixels = grid.reshape(-1, 2)
+        pixels = _from_the_front(grid, other)
         if is_pattern(grey, other, pixels):
-            if (other.columns, other.rows) == size:
-                return _whole(grey, target, pixels)
-            raise _another_count(target, goes_on_to(grey, other, pixels) or (other.columns, other.rows))
+            grown = grown_pattern(grey, other, pixels)
+            if grown.size == size:
+                return grown.in_order
+            raise _another_count(target, grown.size)
     found, corners = cv2.findChessboardCorners(grey, size, flags=cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_FAST_CHECK)
-    if found and is_pattern(grey, target, pixels := _pixels(corners)):
+    if found and is_pattern(grey, target, pixels := _from_the_front(corners, target)):
         return _whole(grey, target, pixels)
     raise NotFoundError(f"no complete chessboard of {target.columns} x {target.rows} inner corners is found")
 
@@ -101,16 +103,11 @@ def _another_count(target: Target, seen: tuple[int, int]) -> NotFoundError:
     return WrongCountError(said) if more else NotFoundError(f"{said}: a part of it is not in view, or the count is wrong")
 
 
-def _pixels(found: Any) -> Floats:
-    return np.asarray(found, dtype=np.float64).reshape(-1, 2)
-
-
 def _whole(grey: NDArray[np.uint8], target: Target, pixels: Floats) -> Floats:
     """Return the points found if the pattern does not go on beyond them."""
-    seen = goes_on_to(grey, target, pixels)
-    if seen is None:
+    columns, rows = grown_pattern(grey, target, pixels).size
+    if (columns, rows) == (target.columns, target.rows):
         return pixels
-    columns, rows = seen
     what = "inner corners" if target.kind == "chessboard" else "circles"
     raise WrongCountError(
         f"the pattern goes on beyond {target.columns} x {target.rows} {what}: at least {columns} x {rows} are seen"
@@ -132,12 +129,24 @@ def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
         for clustering in (0, cv2.CALIB_CB_CLUSTERING):
             size = (target.columns, target.rows)
             found, centres = cv2.findCirclesGrid(picture, size, flags=layout | clustering, blobDetector=detector)
-            if found and is_pattern(grey, target, pixels := _pixels(centres)):
+            if not found:
+                continue
+            pixels = _from_the_front(_rows_in_order(centres, target), target)
+            if is_pattern(grey, target, pixels):
                 return _whole(grey, target, pixels)
     count = max(len(detector.detect(grey)), len(detector.detect(255 - grey)))
     raise NotFoundError(
         f"no complete grid of {target.columns} x {target.rows} circles is found; the image has {count} blobs"
     )
+
+
+def _rows_in_order(centres: Any, target: Target) -> Floats:
+    """Return circles found in the order of the rows: OpenCV may swap each two rows of an even number of shifted ones."""
+    grid = np.asarray(centres, dtype=np.float64).reshape(target.rows, target.columns, 2)
+    if target.kind != "asymmetric-circles" or target.rows % 2:
+        return grid
+    swapped = grid.reshape(-1, 2, target.columns, 2)[:, ::-1].reshape(grid.shape)
+    return min((grid, swapped), key=lambda each: lattice_of(target, _from_the_front(each, target)).misfit)
 
 
 def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
@@ -163,9 +172,9 @@ def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
     return Observation(points, np.asarray(corners, dtype=np.float64))
 
 
-def _read_from_the_front(pixels: Floats, target: Target) -> Floats:
-    """Reverse the order of the rows if the points were read as if the target were seen from behind."""
-    grid = pixels.reshape(target.rows, target.columns, 2)
+def _from_the_front(found: Any, target: Target) -> Floats:
+    """Return points (n, 2), with the rows reversed if they were read as if the target were seen from behind."""
+    grid = np.asarray(found, dtype=np.float64).reshape(target.rows, target.columns, 2)
     row, column = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
     from_the_front = row[0] * column[1] - row[1] * column[0] > 0.0
-    return pixels if from_the_front else grid[::-1].reshape(-1, 2)
+    return (grid if from_the_front else grid[::-1]).reshape(-1, 2)

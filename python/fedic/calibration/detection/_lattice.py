@@ -64,6 +64,19 @@ class Lattice:
         return Spots(self.places, self.pixels, _steps(matrix, self.places))
 
     @property
+    def misfit(self) -> float:
+        """Median distance of the points from the best homography, in steps of the pattern; NaN without one."""
+        spots = self.spots
+        steps = np.sqrt(np.abs(np.linalg.det(spots.frames)))
+        expected = _mapped(_homography(self.places, self.pixels), self.places)
+        return float(np.median(np.linalg.norm(self.pixels - expected, axis=1) / steps))
+
+    @property
+    def in_order(self) -> Floats:
+        """Image points (n, 2), row by row."""
+        return self.pixels[np.lexsort((self.places[:, 0], self.places[:, 1]))]
+
+    @property
     def size(self) -> tuple[int, int]:
         """Number of columns and of rows."""
         spans = np.ptp(self.places, axis=0)
