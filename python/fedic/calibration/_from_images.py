@@ -8,7 +8,7 @@ from os import PathLike, fspath
 from typing import TypeAlias
 
 from fedic._internal.types import Image, StrPath
-from fedic.calibration._from_points import build_result, fit_or_explain
+from fedic.calibration._from_points import build_result, fit_or_explain, fit_with_shape
 from fedic.calibration._result import Calibration
 from fedic.calibration.detection import NotFoundError, WrongCountError, find_target, refine_points
 from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
@@ -89,7 +89,7 @@ def calibrate(
         camera = first.lens.camera(first.estimate.intrinsics, *pose)
         seen[place] = refine_points(_load(sources[index], names[index]), plan, seen[place], camera)
         refined_views((place + 1) / len(found))
-    final = fit_or_explain(lens, seen, image_size)
+    final = fit_with_shape(lens, seen, image_size)
     return build_result(seen, found, names, faults, final, image_size, view)
 
 

@@ -8,15 +8,17 @@ from numpy.typing import ArrayLike
 
 from fedic._internal.determinacy import LARGEST_RELATIVE_DEVIATION
 from fedic.calibration._adjustment.fit import Fit, fit
+from fedic.calibration._adjustment.shape import fit_shape, shape_of
 from fedic.calibration._adjustment.spline_fit import fit_spline
 from fedic.calibration._adjustment.start import initial_estimate
 from fedic.calibration._advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
+from fedic.calibration._plausibility import check_plausible, tell_shape
 from fedic.calibration._result import Calibration, View
-from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
+from fedic.calibration.lenses import BROWN, CoefficientLens, ShapedTarget, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError, OptionError
 
-__all__ = ["build_result", "calibrate_points", "fit_or_explain"]
+__all__ = ["build_result", "calibrate_points", "fit_or_explain", "fit_with_shape"]
 
 
 def calibrate_points(
@@ -50,7 +52,12 @@ def calibrate_points(
     OptionError
         If the arrays do not fit together, or an argument is malformed.
     CameraError
-        If the views do not determine the camera.
+        If the views do not determine the camera, or the camera found cannot be right.
+
+    Warns
+    -----
+    CalibrationWarning
+        If the target is not as given (see `Calibration.target_shape`), or the camera found is hardly plausible.
     """
     lens = parse_lens(distortion)
     if len(points) != len(pixels):
@@ -61,7 +68,7 @@ def calibrate_points(
     seen = [_observation(index, *pair) for index, pair in pairs]
     names = [f"image {index}" for index in range(len(seen))]
     found = list(range(len(seen)))
-    return build_result(seen, found, names, {}, fit_or_explain(lens, seen, image_size), image_size, view)
+    return build_result(seen, found, names, {}, fit_with_shape(lens, seen, image_size), image_size, view)
 
 
 def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observation:
@@ -114,6 +121,31 @@ def fit_or_explain(lens: CoefficientLens | str, seen: list[Observation], image_s
     return found
 
 
+def fit_with_shape(lens: CoefficientLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
+    """Fit a camera, and the shape of the target if it is not as planned; see `fit_or_explain` and `fit_shape`.
+
+    Parameters
+    ----------
+    lens : CoefficientLens or str
+        Lens model, or the name of a non-parametric one.
+    seen : list of Observation
+        One per view.
+    image_size : (int, int)
+        Width and height in pixels.
+
+    Returns
+    -------
+    Fit
+        The minimum.
+
+    Raises
+    ------
+    CameraError
+        If the views do not determine the camera, or the fit does not converge.
+    """
+    return fit_shape(fit_or_explain(lens, seen, image_size), seen, image_size)
+
+
 def _causes(seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
     """Return advice on the directions of the views, as estimated before the fit."""
     try:
@@ -159,6 +191,8 @@ def build_result(
     ------
     OptionError
         If there is no view `wanted`.
+    CameraError
+        If the camera found cannot be right.
     """
     places = {index: place for place, index in enumerate(found)}
     views = tuple(
@@ -168,7 +202,7 @@ def build_result(
         for index, name in enumerate(names)
     )
     chosen = _chosen(views, wanted)
-    lens = final.lens
+    lens, shape = final.lens, shape_of(final)
     named = len(lens.parameters)
     parameters = dict(zip(lens.parameters, map(float, final.estimate.intrinsics[:named]), strict=True))
     deviations = dict(zip(lens.parameters, map(float, np.sqrt(np.diag(final.covariance)[:named])), strict=True))
@@ -182,18 +216,26 @@ def build_result(
         *correlation_advice(lens.parameters, final.covariance),
     ]
     camera = lens.camera(final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
+    check_plausible(parameters, deviations, error, image_size)
+    if isinstance(lens, ShapedTarget):
+        tell_shape(shape, lens.half)
+    of_shape = np.arange(lens.size - len(shape), lens.size)
+    covariance = np.delete(np.delete(final.covariance, of_shape, axis=0), of_shape, axis=1)
     return Calibration(
-        camera, chosen, error, views, parameters, deviations, final.covariance, image_size, advice, lens.name
+        camera, chosen, error, views, parameters, deviations, covariance, image_size, advice, lens.name, shape
     )
 
 
 def _seen_view(name: str, seen: Observation, final: Fit, place: int) -> View:
+    lens, points = final.lens, seen.points
+    if isinstance(lens, ShapedTarget):
+        points = lens.shaped(final.estimate.intrinsics, points)
     return View(
         name=name,
         found=True,
         accepted=place in final.accepted,
         reason=final.reasons.get(place, ""),
-        points=seen.points,
+        points=points,
         pixels=seen.pixels,
         residuals=final.residuals[place],
         used=final.used[place],
