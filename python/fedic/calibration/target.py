@@ -22,6 +22,7 @@ _FORMS: dict[Kind, str] = {
     "of a square, side of a marker, name in OpenCV)",
 }
 _SMALLEST = 2
+_TWO_PITCHES = "two pitches, along a row and along a column, are joined by x: 8x8.04"
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,10 @@ class Target:
         Printed pattern.
     columns, rows : int
         Inner corners of a chessboard, circles of a row and rows of circles, squares of a ChArUco board.
-    pitch : float
+    pitch : float or (float, float)
         Side of a square, distance of neighbouring circles, or of neighbouring rows of asymmetric circles; its unit is
-        that of the world. A wrong pitch scales the translations only: a single camera cannot detect it.
+        that of the world. Two numbers are the pitches along X and Y of a target that is not square: its printer
+        stretches one direction. A wrong unit scales the translations only: a single camera cannot detect it.
     marker : float
         Side of a ChArUco marker.
     dictionary : str
@@ -50,9 +52,15 @@ class Target:
     kind: Kind
     columns: int
     rows: int
-    pitch: float
+    pitch: float | tuple[float, float]
     marker: float = 0.0
     dictionary: str = ""
+
+    @property
+    def pitches(self) -> tuple[float, float]:
+        """Pitches along X and Y."""
+        x, y = np.broadcast_to(np.asarray(self.pitch, dtype=np.float64), 2)
+        return float(x), float(y)
 
     @property
     def points(self) -> Floats:
@@ -63,11 +71,12 @@ class Target:
             column = 2.0 * column + row % 2.0
         elif self.kind == "charuco":
             column, row = column + 1.0, row - 1.0
-        return np.column_stack([column, rows - 1.0 - row, np.zeros_like(row)]) * self.pitch
+        return np.column_stack([column, rows - 1.0 - row, np.zeros_like(row)]) * [*self.pitches, 0.0]
 
     def __str__(self) -> str:
         ends = f":{self.marker:g}:{self.dictionary}" if self.kind == "charuco" else ""
-        return f"{self.kind}:{self.columns}x{self.rows}:{self.pitch:g}{ends}"
+        pitches = "x".join(f"{pitch:g}" for pitch in dict.fromkeys(self.pitches))
+        return f"{self.kind}:{self.columns}x{self.rows}:{pitches}{ends}"
 
 
 def parse_target(text: str) -> Target:
@@ -77,7 +86,8 @@ def parse_target(text: str) -> Target:
     ----------
     text : str
         ``"chessboard:11x7:8"``, ``"circles:9x7:10"``, ``"asymmetric-circles:4x11:10"`` or
-        ``"charuco:12x8:10:7:DICT_5X5_100"``; counts as in OpenCV, see `Target`.
+        ``"charuco:12x8:10:7:DICT_5X5_100"``; counts as in OpenCV, see `Target`. Two pitches are joined by ``x``:
+        ``"chessboard:11x7:8x8.04"``.
 
     Returns
     -------
@@ -96,24 +106,30 @@ def parse_target(text: str) -> Target:
         )
     expected = 4 if kind == "charuco" else 2
     counts = re.fullmatch(r"(\d+)[xX](\d+)", fields[0]) if len(fields) == expected else None
+    pitches, lengths = list[float](), list[float]()
     try:
-        lengths = [float(length) for length in fields[1:3]]
+        pitches = [float(length) for length in re.split("[xX]", fields[1])] if counts else []
+        lengths = [*pitches, *(float(length) for length in fields[2:3])]
     except ValueError:
         counts = None
+    if len(pitches) > 2:
+        counts = None
     if counts is None:
-        raise OptionError(f"target {text!r}: should be written {_FORMS[kind]}.", "target")
+        raise OptionError(f"target {text!r}: should be written {_FORMS[kind]}; {_TWO_PITCHES}.", "target")
     columns, rows = (int(count) for count in counts.groups())
     if min(columns, rows) < _SMALLEST + (kind == "charuco"):
         raise OptionError(f"target {text!r}: {columns} x {rows} is too small; count as in {_FORMS[kind]}.", "target")
     if not all(0.0 < length < np.inf for length in lengths):
         raise OptionError(f"target {text!r}: the lengths must be positive; write {_FORMS[kind]}.", "target")
+    pitch = pitches[0] if len(pitches) == 1 else (pitches[0], pitches[1])
     if kind != "charuco":
-        return Target(kind, columns, rows, lengths[0])
-    if lengths[1] >= lengths[0]:
+        return Target(kind, columns, rows, pitch)
+    marker = lengths[-1]
+    if marker >= min(pitches):
         raise OptionError(
-            f"target {text!r}: a marker ({lengths[1]:g}) must be smaller than its square ({lengths[0]:g}).", "target"
+            f"target {text!r}: a marker ({marker:g}) must be smaller than its square ({min(pitches):g}).", "target"
         )
-    return Target(kind, columns, rows, lengths[0], lengths[1], _known_dictionary(text, fields[3]))
+    return Target(kind, columns, rows, pitch, marker, _known_dictionary(text, fields[3]))
 
 
 def _known_dictionary(text: str, name: str) -> str:

@@ -61,9 +61,7 @@ def shape_of(found: Fit) -> dict[str, tuple[float, float]]:
     deviations = np.sqrt(np.diag(found.covariance)[:size])
     shapes = _shapes(found.lens)
     places = range(size - len(shapes), size)
-    return {
-        name: (float(values[place]), float(deviations[place])) for name, place in zip(shapes, places, strict=True)
-    }
+    return {name: (float(values[place]), float(deviations[place])) for name, place in zip(shapes, places, strict=True)}
 
 
 def _significant(found: Fit, observations: list[Observation], tried: tuple[str, ...]) -> tuple[str, ...]:

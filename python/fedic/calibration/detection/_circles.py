@@ -21,7 +21,7 @@ _RIM, _CORE = 0.85, 0.3
 def centre_reach(target: Target) -> float:
     """Return the radius of the disc around a centre that is free of other circles."""
     nearest = np.sqrt(2.0) if target.kind == "asymmetric-circles" else 1.0
-    return float(target.pitch * _REACH * nearest)
+    return float(min(target.pitches) * _REACH * nearest)
 
 
 def centre_in_plane(points: Floats, levels: Floats, areas: Floats, start: Floats, reach: float) -> Floats:

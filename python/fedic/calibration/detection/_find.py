@@ -100,7 +100,9 @@ def _another_count(target: Target, seen: tuple[int, int]) -> NotFoundError:
     columns, rows = sorted(seen, reverse=own[0] >= own[1])
     said = f"a chessboard of {columns} x {rows} inner corners is found, {own[0]} x {own[1]} were expected"
     more = max(seen) > max(own) or min(seen) > min(own)
-    return WrongCountError(said) if more else NotFoundError(f"{said}: a part of it is not in view, or the count is wrong")
+    return (
+        WrongCountError(said) if more else NotFoundError(f"{said}: a part of it is not in view, or the count is wrong")
+    )
 
 
 def _whole(grey: NDArray[np.uint8], target: Target, pixels: Floats) -> Floats:
@@ -157,14 +159,17 @@ def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
     markers = 0
     corners: Any = None
     for legacy in (False, True):
-        board = cv2.aruco.CharucoBoard((target.columns, target.rows), target.pitch, target.marker, dictionary)
+        board = cv2.aruco.CharucoBoard((target.columns, target.rows), target.pitches[0], target.marker, dictionary)
         board.setLegacyPattern(legacy)
         found, numbers, _, seen = cv2.aruco.CharucoDetector(board).detectBoard(grey)
         markers = max(markers, 0 if seen is None else len(seen))
         if numbers is not None and len(numbers) > len(best):
             best, corners = numbers.ravel(), found.reshape(-1, 2)
     points = target.points[best]
-    if len(best) < _FEWEST_POINTS or np.linalg.matrix_rank(points - points.mean(axis=0), tol=target.pitch / 2) < 2:
+    if (
+        len(best) < _FEWEST_POINTS
+        or np.linalg.matrix_rank(points - points.mean(axis=0), tol=min(target.pitches) / 2) < 2
+    ):
         raise NotFoundError(
             f"{len(best)} corners of the board are found, where at least {_FEWEST_POINTS}, not collinear, are needed, "
             f"and {markers} markers of {target.dictionary}"
