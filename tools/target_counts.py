@@ -29,7 +29,7 @@ def main(count: int = 51) -> None:
         other = wrong_counts(drawn.target, drawn.rng)
         right.update(outcome(image, drawn.target) for image in drawn.views)
         wrong.update(outcome(image, other) for image in drawn.views)
-    print(f"right counts: {dict(right)}; wrong counts: {dict(wrong)}")
+    sys.stdout.write(f"right counts: {dict(right)}; wrong counts: {dict(wrong)}\n")
 
 
 if __name__ == "__main__":

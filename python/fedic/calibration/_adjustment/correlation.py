@@ -1,6 +1,7 @@
 """Correlation of the residuals of neighbouring points, by which errors of the model make the points count less."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fedic._internal.types import Floats
 
@@ -41,9 +42,10 @@ def correlation_factor(points: list[Floats], residuals: list[Floats]) -> float:
     return float(min(((1.0 + correlation) / (1.0 - correlation)) ** 2, max(count / len(points), 1.0)))
 
 
-def _neighbours(places: Floats) -> tuple[Floats, Floats]:
+def _neighbours(places: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the indices of the pairs of points that are hardly further apart than the nearest ones."""
     distances = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
     np.fill_diagonal(distances, np.inf)
     reach = _NEIGHBOUR * np.median(distances.min(axis=1)) if len(places) > 1 else 0.0
-    return np.nonzero(np.triu(distances <= reach))
+    first, second = np.nonzero(np.triu(distances <= reach))
+    return first, second

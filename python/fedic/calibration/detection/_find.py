@@ -143,7 +143,7 @@ def _find_circles(grey: NDArray[np.uint8], target: Target) -> Floats:
 
 
 def _rows_in_order(centres: Any, target: Target) -> Floats:
-    """Return circles found in the order of the rows: OpenCV may swap each two rows of an even number of shifted ones."""
+    """Return circles in the order of the rows: OpenCV may swap each two rows of an even number of shifted ones."""
     grid = np.asarray(centres, dtype=np.float64).reshape(target.rows, target.columns, 2)
     if target.kind != "asymmetric-circles" or target.rows % 2:
         return grid

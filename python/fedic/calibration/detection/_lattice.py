@@ -86,10 +86,7 @@ class Lattice:
         """Return the places of the next line beyond a side, extrapolated from the three lines nearest to it."""
         axis = 0 if side.endswith("column") else 1
         sign = -1 if side.startswith("first") else 1
-        if axis == 0:
-            wanted = self._next_column(sign)
-        else:
-            wanted = self._next_row(sign)
+        wanted = self._next_column(sign) if axis == 0 else self._next_row(sign)
         border = (sign * self.places[:, axis]).max()
         reach = _NEAR_LINES * (self.stride if axis == 0 else 1)
         near = sign * self.places[:, axis] > border - reach

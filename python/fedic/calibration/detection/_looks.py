@@ -127,7 +127,8 @@ class Discs:
         patches, contrasts, _ = self._patches(lattice.spots)
         self._contrast = float(np.nanmedian(contrasts)) if np.isfinite(contrasts).any() else np.nan
         known = np.isfinite(patches).all(axis=1)
-        self._picture = np.median(patches[known], axis=0) if known.any() else np.zeros(_PATCH**2)
+        picture = np.median(patches[known], axis=0) if known.any() else np.zeros(_PATCH**2)
+        self._picture: Floats = np.asarray(picture, dtype=np.float64)
         own = self._likeness(patches)[known]
         typical = float(np.median(own)) if known.any() else 1.0
         self._limit = max(_LIKENESS * typical, _LEAST_LIKENESS)
@@ -172,7 +173,7 @@ class Discs:
 
 
 def _sampled(grey: np.ndarray, spots: Spots, offsets: Floats) -> Floats:
-    """Return grey levels (n, m) at offsets (m, 2) in the steps of the pattern; NaN for places not whole in the image."""
+    """Return grey levels (n, m) at offsets (m, 2) in steps of the pattern; NaN for places not whole in the image."""
     import cv2
 
     places = spots.pixels[:, np.newaxis] + np.einsum("nij,mj->nmi", spots.frames, offsets)

@@ -18,9 +18,8 @@ SHAPES = ("stretch", "skew", "bend_xx", "bend_xy", "bend_yy")
 class ShapedTarget:
     """A `Lens` together with the shape of the target; the unknowns of the shape come last.
 
-    A point (X, Y, 0) of the plan is at (X + skew Y, (1 + stretch) Y, Z), where Z is a quadratic function of the place
-    over half the length of the target: ``Z = (bend_xx x**2 + bend_xy x y + bend_yy y**2) length / 2``, with x and y from
-    the centre in units of half the length.
+    A point (X, Y, 0) of the plan is at (X + skew Y, (1 + stretch) Y, Z), with ``Z = half * (bend_xx x**2 + bend_xy x y
+    + bend_yy y**2)``, where x and y are measured from the centre in units of `half`.
 
     Attributes
     ----------
@@ -90,7 +89,8 @@ class ShapedTarget:
 
     def shaped(self, values: Floats, points: Floats) -> Floats:
         """Return the points (n, 3) of the target for points of the plan."""
-        return points + np.einsum("nkj,k->nj", self._moves(points), values[self.lens.size :])
+        moved: Floats = points + np.einsum("nkj,k->nj", self._moves(points), values[self.lens.size :])
+        return moved
 
     def _of_lens(self, values: Floats) -> Floats:
         return values[: self.lens.size]
