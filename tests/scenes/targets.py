@@ -65,6 +65,8 @@ class Texture:
         x, y = np.asarray(points)[:, 0], np.asarray(points)[:, 1]
         if self._target.kind == "chessboard":
             return self._chessboard(x, y)
+        if self._target.kind == "ring-dots":
+            return self._ring_dots(x, y)
         return self._board(x, y) if self._target.kind == "charuco" else self._circles(x, y)
 
     def _chessboard(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -91,6 +93,19 @@ class Texture:
             along = x - (2 * column + shift) * target.pitches[0]
             distance = np.minimum(distance, np.hypot(along, y - row * target.pitches[0]))
         return 0.5 * (1.0 + _edge(distance - 0.4 * target.pitches[0]))
+
+    def _ring_dots(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Dots of 0.3 pitch; the three rings are 0.38 pitch wide, with a hole of 0.19."""
+        target = self._target
+        pitch, (left, below), (along, up) = target.pitches[0], target.origin, target.axes
+        column = np.clip(np.round(x / pitch), -left, target.columns - 1 - left)
+        row = np.clip(np.round(y / pitch), -below, target.rows - 1 - below)
+        distance = np.hypot(x - column * pitch, y - row * pitch)
+        is_ring = np.zeros(len(x), dtype=bool)
+        for place in ((0, 0), (along, 0), (0, up)):
+            is_ring |= (column == place[0]) & (row == place[1])
+        dot = 0.5 * (1.0 + _edge(distance - np.where(is_ring, 0.38, 0.3) * pitch))
+        return np.where(is_ring, np.maximum(dot, 0.5 * (1.0 - _edge(distance - 0.19 * pitch))), dot)
 
     def _board(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         target, scale = self._target, self._scale

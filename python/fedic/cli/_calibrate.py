@@ -27,8 +27,10 @@ def calibrate_command(
         str,
         typer.Option(
             "--target",
-            help="chessboard:11x7:8 (inner corners, square), circles:9x7:10, asymmetric-circles:4x11:10 or "
-            "charuco:12x8:10:7:DICT_5X5_100; its unit of length becomes the world's.",
+            help="chessboard:11x7:8 (inner corners, square), circles:9x7:10, asymmetric-circles:4x11:10, "
+            "ring-dots:14x10:10:3x2:8x6 (dots, pitch, dots left of and below the ring at the origin, steps to the "
+            "other two) or charuco:12x8:10:7:DICT_5X5_100; two pitches as 8x8.04; its unit of length becomes the "
+            "world's.",
         ),
     ],
     distortion: Annotated[

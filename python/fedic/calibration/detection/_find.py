@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from fedic._internal.types import Floats, Image
 from fedic.calibration.detection._count import grown_pattern, is_pattern, trimmed
 from fedic.calibration.detection._lattice import lattice_of
+from fedic.calibration.detection._rings import find_rings
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target
 
@@ -30,7 +31,7 @@ def find_target(image: Image, target: Target) -> Observation:
     """Find the points of a target in an image.
 
     Chessboards are detected by the Radon transform of Duda and Frese (2018), ChArUco boards by their markers, circles
-    as blobs, whose centres `refine_points` corrects once an approximate camera is known.
+    and dots as blobs, whose centres `refine_points` corrects once an approximate camera is known.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ def find_target(image: Image, target: Target) -> Observation:
     Returns
     -------
     Observation
-        All points of the target; of a ChArUco board those in view.
+        All points of the target; of a ChArUco board and of dots with rings those in view.
 
     Raises
     ------
@@ -53,8 +54,8 @@ def find_target(image: Image, target: Target) -> Observation:
 
     cv2.setRNGSeed(0)  # the searches use OpenCV's random generator; results must be reproducible
     grey = _eight_bits(image)
-    if target.kind == "charuco":
-        return _find_charuco(grey, target)
+    if target.kind in ("charuco", "ring-dots"):
+        return _find_charuco(grey, target) if target.kind == "charuco" else _find_ring_dots(grey, target)
     pixels = _find_chessboard(grey, target) if target.kind == "chessboard" else _find_circles(grey, target)
     return Observation(target.points, pixels)
 
@@ -175,6 +176,22 @@ def _find_charuco(grey: NDArray[np.uint8], target: Target) -> Observation:
             f"and {markers} markers of {target.dictionary}"
         )
     return Observation(points, np.asarray(corners, dtype=np.float64))
+
+
+def _find_ring_dots(grey: NDArray[np.uint8], target: Target) -> Observation:
+    found = find_rings(grey, target)
+    if found.beyond is not None:
+        raise WrongCountError(
+            f"the dots go on beyond the {found.beyond} of {target.columns} x {target.rows} dots with the ring of the "
+            f"origin {target.origin[0]} from the left and {target.origin[1]} from below"
+        )
+    if len(found.places) < _FEWEST_POINTS:
+        raise NotFoundError(
+            f"the three rings of the target are not found {target.axes[0]} steps apart along X and {target.axes[1]} "
+            f"along Y; {found.rings} rings are seen in the image"
+        )
+    points = np.column_stack([found.places * target.pitches, np.zeros(len(found.places))])
+    return Observation(points, found.pixels)
 
 
 def _from_the_front(found: Any, target: Target) -> Floats:

@@ -7,6 +7,7 @@ pattern: the levels of the four squares around a crossing, or the likeness to th
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fedic._internal.types import Floats, Image
 from fedic.calibration.detection._lattice import Lattice, Spots
@@ -93,7 +94,7 @@ class Crossings:
             np.maximum(np.abs(first - second), np.abs(third - fourth)),
         )
 
-    def _refined(self, spots: Spots, is_shown: np.ndarray) -> Floats:
+    def _refined(self, spots: Spots, is_shown: NDArray[np.bool_]) -> Floats:
         import cv2
 
         pixels = spots.pixels.copy()
@@ -172,7 +173,7 @@ class Discs:
         return (levels - ground[:, np.newaxis]) / scale[:, np.newaxis], contrast, moved.pixels
 
 
-def _sampled(grey: np.ndarray, spots: Spots, offsets: Floats) -> Floats:
+def _sampled(grey: NDArray[np.float32], spots: Spots, offsets: Floats) -> Floats:
     """Return grey levels (n, m) at offsets (m, 2) in steps of the pattern; NaN for places not whole in the image."""
     import cv2
 
