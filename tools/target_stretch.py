@@ -37,7 +37,7 @@ def main() -> None:
         cells = [f"{100 * stretch:g} %", f"{100 * value:.3f} ± {100 * deviation:.3f} %" if deviation else "not freed"]
         for intrinsics in (np.array(list(found.parameters.values())), square.estimate.intrinsics):
             errors = intrinsics[:4] - truth
-            cells += [f"{np.hypot(*errors[:2]) / np.sqrt(2.0):.2f} px", f"{np.hypot(*errors[2:]):.2f} px"]
+            cells += [f"{np.hypot(*errors[:2]) / np.sqrt(2.0):.2f} px, {np.hypot(*errors[2:]):.2f} px"]
         sys.stdout.write(f"| {' | '.join(cells)} |\n")
 
 

@@ -97,7 +97,7 @@ class Crossings:
     def _refined(self, spots: Spots, is_shown: NDArray[np.bool_]) -> Floats:
         import cv2
 
-        pixels = spots.pixels.copy()
+        pixels: Floats = spots.pixels.copy()
         if is_shown.any():
             step = float(np.nanmin(np.linalg.norm(spots.frames[is_shown], axis=1)))
             half = int(np.clip(0.3 * step, 2, 10))
