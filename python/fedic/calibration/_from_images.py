@@ -8,7 +8,8 @@ from os import PathLike, fspath
 from typing import TypeAlias
 
 from fedic._internal.types import Image, StrPath
-from fedic.calibration._from_points import build_result, fit_or_explain, fit_with_shape
+from fedic.calibration._build import build_result
+from fedic.calibration._from_points import fit_or_explain, fit_with_shape
 from fedic.calibration._result import Calibration
 from fedic.calibration.detection import NotFoundError, WrongCountError, find_target, refine_points
 from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens

@@ -84,6 +84,8 @@ def _print_calibration(calibration: "Calibration") -> None:
     )
     for name, value in calibration.parameters.items():
         table.add_row(name, f"{value:.6g}", f"{calibration.standard_deviations[name]:.2g}")
+    for name, (value, deviation) in calibration.target_shape.items():
+        table.add_row(f"target {name}", f"{value:.6g}", f"{deviation:.2g}")
     print_table(table)
     for sentence in calibration.advice:
         typer.echo(f"Advice: {sentence}")
