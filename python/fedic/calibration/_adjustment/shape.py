@@ -8,7 +8,7 @@ from fedic._internal.types import Floats
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
 from fedic.calibration._adjustment.correlation import correlation_factor
 from fedic.calibration._adjustment.fit import Fit, fit
-from fedic.calibration.lenses import SHAPES, Lens, ShapedTarget
+from fedic.calibration.lenses import SHAPES, CoefficientLens, Lens, ShapedTarget
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError
 
@@ -39,13 +39,16 @@ def fit_shape(found: Fit, observations: list[Observation], image_size: tuple[int
     Returns
     -------
     Fit
-        With a `ShapedTarget` for lens if the target is not as planned; else `found`.
+        With a `ShapedTarget` for lens if the target is not as planned; else `found`. A non-parametric lens takes the
+        target as planned: it hardly differs from a stretch.
     """
+    if not isinstance(found.lens, CoefficientLens):
+        return found
+    own = found.lens
     for tried in (_STRAIGHT, _BENT):
-        shapes = _significant(found, observations, tried)
+        shapes = _significant(found, own, observations, tried)
         if not shapes:
             continue
-        own = found.lens.lens if isinstance(found.lens, ShapedTarget) else found.lens
         free = tuple(name for name in SHAPES if name in (*_shapes(found.lens), *shapes))
         lens = _shaped(own, free, observations)
         try:
@@ -66,9 +69,10 @@ def shape_of(found: Fit) -> dict[str, tuple[float, float]]:
     return {name: (float(values[place]), float(deviations[place])) for name, place in zip(shapes, places, strict=True)}
 
 
-def _significant(found: Fit, observations: list[Observation], tried: tuple[str, ...]) -> tuple[str, ...]:
+def _significant(
+    found: Fit, own: CoefficientLens, observations: list[Observation], tried: tuple[str, ...]
+) -> tuple[str, ...]:
     """Return the unknowns that differ from zero if they are freed."""
-    own = found.lens.lens if isinstance(found.lens, ShapedTarget) else found.lens
     lens = _shaped(own, (*_shapes(found.lens), *tried), observations)
     kept = [observations[view] for view in found.accepted]
     used = [found.used[view] for view in found.accepted]
@@ -101,7 +105,7 @@ def _shapes(lens: Lens) -> tuple[str, ...]:
     return lens.shapes if isinstance(lens, ShapedTarget) else ()
 
 
-def _shaped(lens: Lens, shapes: tuple[str, ...], observations: list[Observation]) -> ShapedTarget:
+def _shaped(lens: CoefficientLens, shapes: tuple[str, ...], observations: list[Observation]) -> ShapedTarget:
     points: Floats = np.concatenate([each.points[:, :2] for each in observations])
     low, high = points.min(axis=0), points.max(axis=0)
     return ShapedTarget(lens, shapes, 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)))

@@ -6,7 +6,7 @@ import numpy as np
 
 from fedic._core import Distortion, Pinhole
 from fedic._internal.types import Floats
-from fedic.calibration.lenses._coefficients import Lens
+from fedic.calibration.lenses._coefficients import CoefficientLens
 
 __all__ = ["SHAPES", "ShapedTarget"]
 
@@ -23,7 +23,7 @@ class ShapedTarget:
 
     Attributes
     ----------
-    lens : Lens
+    lens : CoefficientLens
         Lens model.
     shapes : tuple of str
         Free unknowns among `SHAPES`.
@@ -33,7 +33,7 @@ class ShapedTarget:
         Half its length.
     """
 
-    lens: Lens
+    lens: CoefficientLens
     shapes: tuple[str, ...]
     centre: Floats
     half: float
@@ -64,10 +64,9 @@ class ShapedTarget:
         return self.lens.first_damping
 
     @property
-    def penalty(self) -> Floats | None:
-        """See `Lens.penalty`; the shape has none."""
-        own = self.lens.penalty
-        return None if own is None else np.pad(own, (0, len(self.shapes)))
+    def penalty(self) -> None:
+        """None: the unknowns are free."""
+        return
 
     def linearised(
         self, values: Floats, rotation: Floats, translation: Floats, points: Floats
