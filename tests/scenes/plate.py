@@ -86,8 +86,8 @@ class WithTarget:
         values = self._plate.values(points)
         cos, sin = np.cos(self._angle), np.sin(self._angle)
         local = (np.asarray(points)[:, :2] - self._origin) @ np.array([[cos, -sin], [sin, cos]])
-        reach = 1.9 * self._target.pitch
-        high = np.array([self._target.columns - 1, self._target.rows - 1]) * self._target.pitch
+        reach = 1.9 * self._target.pitches[0]
+        high = np.array([self._target.columns - 1, self._target.rows - 1]) * self._target.pitches[0]
         on = np.all((local > -reach) & (local < high + reach), axis=1)
         values[on] = self._printed.values(np.ascontiguousarray(local[on]))
         return values

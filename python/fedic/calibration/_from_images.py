@@ -1,19 +1,21 @@
 """Calibration of a camera from images of a target."""
 
 import glob
+import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from os import PathLike, fspath
 from typing import TypeAlias
 
 from fedic._internal.types import Image, StrPath
-from fedic.calibration._from_points import build_result, fit_or_explain
+from fedic.calibration._build import build_result
+from fedic.calibration._from_points import fit_or_explain, fit_with_shape
 from fedic.calibration._result import Calibration
-from fedic.calibration.detection import NotFoundError, find_target, refine_points
+from fedic.calibration.detection import NotFoundError, WrongCountError, find_target, refine_points
 from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.calibration.target import Target, parse_target
-from fedic.errors import CameraError, ImageError
+from fedic.errors import CalibrationWarning, CameraError, ImageError
 from fedic.io.images import as_image, read_image
 from fedic.progress import ProgressCallback, fraction_callback
 
@@ -61,16 +63,24 @@ def calibrate(
     Raises
     ------
     CameraError
-        If the target or distortion is misspelt, the target is found in fewer than two images, or the views do not
-        determine the camera.
+        If the target or distortion is misspelt, the target is found in fewer than two images, has another number of
+        points in as many images as it is found in, or the views do not determine the camera or do not fit together.
+
+    Warns
+    -----
+    CalibrationWarning
+        If the target has another number of points in some images, is not as given (see `Calibration.target_shape`), or
+        the camera found is not plausible.
     """
     plan = parse_target(target) if isinstance(target, str) else target
     lens = parse_lens(distortion)
     sources = _sources(images)
     names = [_name(source, index) for index, source in enumerate(sources)]
     detected, refined_views = fraction_callback(progress, "detect"), fraction_callback(progress, "refine")
-    observations, faults, image_size = _search(sources, names, plan, detected)
+    observations, faults, wrong, image_size = _search(sources, names, plan, detected)
     found = [index for index in range(len(sources)) if index in observations]
+    if wrong:
+        _tell_wrong_count(plan, names, wrong, found)
     if len(found) < 2:
         raise CameraError(_too_few(plan, names, faults))
     seen = [observations[index] for index in found]
@@ -80,7 +90,7 @@ def calibrate(
         camera = first.lens.camera(first.estimate.intrinsics, *pose)
         seen[place] = refine_points(_load(sources[index], names[index]), plan, seen[place], camera)
         refined_views((place + 1) / len(found))
-    final = fit_or_explain(lens, seen, image_size)
+    final = fit_with_shape(lens, seen, image_size)
     return build_result(seen, found, names, faults, final, image_size, view)
 
 
@@ -103,9 +113,10 @@ def _load(source: Source, name: str) -> Image:
 
 def _search(
     sources: list[Source], names: list[str], target: Target, report: Callable[[float], object]
-) -> tuple[dict[int, Observation], dict[int, str], tuple[int, int]]:
-    """Return the points found by image, the reasons for the images without, and the size of the images."""
-    observations, faults, sizes = dict[int, Observation](), dict[int, str](), dict[int, tuple[int, int]]()
+) -> tuple[dict[int, Observation], dict[int, str], dict[int, str], tuple[int, int]]:
+    """Return the points found by image, the reasons for the others and for wrong counts, and the size of the images."""
+    observations, sizes = dict[int, Observation](), dict[int, tuple[int, int]]()
+    faults, wrong = dict[int, str](), dict[int, str]()
     for index, (source, name) in enumerate(zip(sources, names, strict=True)):
         try:
             image = _load(source, name)
@@ -113,21 +124,38 @@ def _search(
             observations[index] = find_target(image, target)
         except (ImageError, NotFoundError) as fault:
             faults[index] = str(fault).removeprefix(f"{name}: ")
+            if isinstance(fault, WrongCountError):
+                wrong[index] = faults[index]
         report((index + 1) / len(sources))
     common = Counter(sizes.values()).most_common(1)[0][0] if sizes else (0, 0)
     for index in [index for index in observations if sizes[index] != common]:
         del observations[index]
         width, height = sizes[index]
         faults[index] = f"the image is {width} x {height} px, most are {common[0]} x {common[1]}: another camera"
-    return observations, faults, common
+    return observations, faults, wrong, common
+
+
+def _tell_wrong_count(target: Target, names: list[str], wrong: dict[int, str], found: list[int]) -> None:
+    """Warn, or refuse if the images with another number of points are not outnumbered."""
+    said = (
+        f"The target {target} has another number of points in {len(wrong)} of {len(names)} images. Give the counts of "
+        f"the whole pattern; the origin and the axes depend on them.{_listed(names, wrong)}"
+    )
+    if len(wrong) >= len(found):
+        raise CameraError(said)
+    warnings.warn(said, CalibrationWarning, stacklevel=3)
 
 
 def _too_few(target: Target, names: list[str], faults: dict[int, str]) -> str:
     count = len(names) - len(faults)
+    return (
+        f"The target {target} was found in {count} of {len(names)} images; a calibration needs at least 2, better 10 "
+        f"to 20, from different directions.{_listed(names, faults)}"
+    )
+
+
+def _listed(names: list[str], faults: dict[int, str]) -> str:
     listed = list(faults.items())[:_CAUSES_SHOWN]
     causes = "".join(f"\n  {names[index]}: {fault}" for index, fault in listed)
     more = f"\n  ... and {len(faults) - len(listed)} more" if len(faults) > len(listed) else ""
-    return (
-        f"The target {target} was found in {count} of {len(names)} images; a calibration needs at least 2, better 10 "
-        f"to 20, from different directions.{causes}{more}"
-    )
+    return f"{causes}{more}"

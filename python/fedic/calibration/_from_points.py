@@ -1,22 +1,23 @@
 """Calibration of a camera from points of a target that are already found."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fedic._internal.determinacy import LARGEST_RELATIVE_DEVIATION
 from fedic.calibration._adjustment.fit import Fit, fit
+from fedic.calibration._adjustment.shape import fit_shape
 from fedic.calibration._adjustment.spline_fit import fit_spline
 from fedic.calibration._adjustment.start import initial_estimate
-from fedic.calibration._advice import correlation_advice, coverage_advice, parameter_advice, tilt_advice, view_advice
-from fedic.calibration._result import Calibration, View
+from fedic.calibration._advice import tilt_advice
+from fedic.calibration._build import build_result
+from fedic.calibration._result import Calibration
 from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError, OptionError
 
-__all__ = ["build_result", "calibrate_points", "fit_or_explain"]
+__all__ = ["calibrate_points", "fit_or_explain", "fit_with_shape"]
 
 
 def calibrate_points(
@@ -50,7 +51,12 @@ def calibrate_points(
     OptionError
         If the arrays do not fit together, or an argument is malformed.
     CameraError
-        If the views do not determine the camera.
+        If the views do not determine the camera, or the camera found cannot be right.
+
+    Warns
+    -----
+    CalibrationWarning
+        If the target is not as given (see `Calibration.target_shape`), or the camera found is hardly plausible.
     """
     lens = parse_lens(distortion)
     if len(points) != len(pixels):
@@ -61,7 +67,7 @@ def calibrate_points(
     seen = [_observation(index, *pair) for index, pair in pairs]
     names = [f"image {index}" for index in range(len(seen))]
     found = list(range(len(seen)))
-    return build_result(seen, found, names, {}, fit_or_explain(lens, seen, image_size), image_size, view)
+    return build_result(seen, found, names, {}, fit_with_shape(lens, seen, image_size), image_size, view)
 
 
 def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observation:
@@ -114,118 +120,34 @@ def fit_or_explain(lens: CoefficientLens | str, seen: list[Observation], image_s
     return found
 
 
+def fit_with_shape(lens: CoefficientLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
+    """Fit a camera, and the shape of the target if it is not as planned; see `fit_or_explain` and `fit_shape`.
+
+    Parameters
+    ----------
+    lens : CoefficientLens or str
+        Lens model, or the name of a non-parametric one.
+    seen : list of Observation
+        One per view.
+    image_size : (int, int)
+        Width and height in pixels.
+
+    Returns
+    -------
+    Fit
+        The minimum.
+
+    Raises
+    ------
+    CameraError
+        If the views do not determine the camera, or the fit does not converge.
+    """
+    return fit_shape(fit_or_explain(lens, seen, image_size), seen, image_size)
+
+
 def _causes(seen: list[Observation], image_size: tuple[int, int]) -> list[str]:
     """Return advice on the directions of the views, as estimated before the fit."""
     try:
         return tilt_advice(initial_estimate(BROWN, seen, image_size).rotations) if len(seen) > 1 else []
     except CameraError:
         return []
-
-
-def build_result(
-    seen: list[Observation],
-    found: list[int],
-    names: list[str],
-    faults: dict[int, str],
-    final: Fit,
-    image_size: tuple[int, int],
-    wanted: int | str | None,
-) -> Calibration:
-    """Build the result of a calibration.
-
-    Parameters
-    ----------
-    seen : list of Observation
-        Points of the views `found`.
-    found : list of int
-        Indices of the images in which the target was found.
-    names : list of str
-        Names of all images.
-    faults : dict of int to str
-        Reasons for the other images.
-    final : Fit
-        The fit to `seen`.
-    image_size : (int, int)
-        Width and height in pixels.
-    wanted : int or str, optional
-        View whose pose the camera takes.
-
-    Returns
-    -------
-    Calibration
-        The result.
-
-    Raises
-    ------
-    OptionError
-        If there is no view `wanted`.
-    """
-    places = {index: place for place, index in enumerate(found)}
-    views = tuple(
-        _seen_view(name, seen[places[index]], final, places[index])
-        if index in places
-        else _missing_view(name, faults[index])
-        for index, name in enumerate(names)
-    )
-    chosen = _chosen(views, wanted)
-    lens = final.lens
-    named = len(lens.parameters)
-    parameters = dict(zip(lens.parameters, map(float, final.estimate.intrinsics[:named]), strict=True))
-    deviations = dict(zip(lens.parameters, map(float, np.sqrt(np.diag(final.covariance)[:named])), strict=True))
-    counted = np.concatenate([view.residuals[view.used] for view in views if view.accepted])
-    error = float(np.sqrt((counted**2).sum(axis=1).mean()))
-    advice = [
-        *view_advice(len(final.accepted), error),
-        *tilt_advice(final.estimate.rotations[final.accepted]),
-        *coverage_advice(np.concatenate([view.pixels[view.used] for view in views if view.accepted]), image_size),
-        *parameter_advice(parameters, deviations, image_size),
-        *correlation_advice(lens.parameters, final.covariance),
-    ]
-    camera = lens.camera(final.estimate.intrinsics, views[chosen].rotation, views[chosen].translation)
-    camera = camera.cropped(0, 0, *image_size)
-    return Calibration(
-        camera, chosen, error, views, parameters, deviations, final.covariance, image_size, advice, lens.name
-    )
-
-
-def _seen_view(name: str, seen: Observation, final: Fit, place: int) -> View:
-    return View(
-        name=name,
-        found=True,
-        accepted=place in final.accepted,
-        reason=final.reasons.get(place, ""),
-        points=seen.points,
-        pixels=seen.pixels,
-        residuals=final.residuals[place],
-        used=final.used[place],
-        initial_error=float(final.initial_errors[place]),
-        final_error=float(final.final_errors[place]),
-        rotation=final.estimate.rotations[place],
-        translation=final.estimate.translations[place],
-    )
-
-
-def _missing_view(name: str, reason: str) -> View:
-    nothing = np.empty((0, 2))
-    unknown = float("nan")
-    used = np.empty(0, dtype=bool)
-    pose = np.full((3, 3), unknown), np.full(3, unknown)
-    return View(name, False, False, reason, np.empty((0, 3)), nothing, nothing, used, unknown, unknown, *pose)
-
-
-def _chosen(views: tuple[View, ...], wanted: int | str | None) -> int:
-    """Return the index of the view whose pose the camera takes."""
-    if wanted is None:
-        return next(index for index, view in enumerate(views) if view.accepted)
-    if isinstance(wanted, str):
-        matches = [index for index, view in enumerate(views) if wanted in (view.name, Path(view.name).name)]
-    else:
-        matches = [wanted] if 0 <= wanted < len(views) else []
-    if not matches:
-        raise OptionError(
-            f"view {wanted!r}: there is no such view; they are {', '.join(view.name for view in views)}.", "view"
-        )
-    view = views[matches[0]]
-    if not view.found:
-        raise OptionError(f"view {wanted!r}: the target was not found in {view.name}: {view.reason}.", "view")
-    return matches[0]

@@ -1,6 +1,6 @@
 """Result of a calibration."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,7 +30,7 @@ class View:
     reason : str
         Reason of a rejection; empty if accepted.
     points : ndarray, shape (n, 3)
-        Points of the target found; empty without.
+        Points of the target found, at the places that fit the views if the target is not as planned; empty without.
     pixels : ndarray, shape (n, 2)
         Their image points.
     residuals : ndarray, shape (n, 2)
@@ -77,7 +77,8 @@ class Calibration(CameraResult):
     parameters : dict of str to float
         ``fx fy cx cy`` and the free coefficients among ``k1 k2 k3 d1 d2 p1 p2``.
     standard_deviations : dict of str to float
-        Standard deviation of each parameter, from the scatter of the points.
+        Standard deviation of each parameter, from the scatter of the points, enlarged where the residuals of
+        neighbouring points are correlated (a lens or a target that the model does not describe).
     covariance : ndarray, shape (p + 6 n, p + 6 n)
         Covariance of the parameters in their order, then, for each of the n accepted views, of a rotation about the
         camera's axes (radians) and of the translation.
@@ -87,6 +88,12 @@ class Calibration(CameraResult):
         Sentences on how to improve the calibration; empty if it is good.
     distortion : str
         Lens model.
+    target_shape : dict of str to (float, float)
+        Departures of the target from its plan that the views show, with their standard deviations; empty if there are
+        none. ``stretch``: the pitch along Y is ``1 + stretch`` times the one given, that along X is as given.
+        ``skew``: a point at Y is shifted by ``skew * Y`` along X. ``bend_xx``, ``bend_xy``, ``bend_yy``: a point is at
+        ``Z = half * (bend_xx * x**2 + bend_xy * x * y + bend_yy * y**2)``, with x and y from the centre of the target
+        in units of half its length.
     """
 
     camera: Pinhole
@@ -99,6 +106,7 @@ class Calibration(CameraResult):
     image_size: tuple[int, int]
     advice: list[str]
     distortion: str
+    target_shape: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def _figure(self) -> "Figure":
         from fedic.plotting.calibration import draw_residuals
@@ -122,4 +130,5 @@ class Calibration(CameraResult):
             "pose_of": Path(self.views[self.view].name).name,
             "distortion": self.distortion,
             **{f"std_{name}": deviation for name, deviation in self.standard_deviations.items()},
+            **{f"target_{name}": value for name, (value, _) in self.target_shape.items()},
         }

@@ -27,8 +27,10 @@ def calibrate_command(
         str,
         typer.Option(
             "--target",
-            help="chessboard:11x7:8 (inner corners, square), circles:9x7:10, asymmetric-circles:4x11:10 or "
-            "charuco:12x8:10:7:DICT_5X5_100; its unit of length becomes the world's.",
+            help="chessboard:11x7:8 (inner corners, square), circles:9x7:10, asymmetric-circles:4x11:10, "
+            "ring-dots:14x10:10:3x2:8x6 (dots, pitch, dots left of and below the ring at the origin, steps to the "
+            "other two) or charuco:12x8:10:7:DICT_5X5_100; two pitches as 8x8.04; its unit of length becomes the "
+            "world's.",
         ),
     ],
     distortion: Annotated[
@@ -82,6 +84,8 @@ def _print_calibration(calibration: "Calibration") -> None:
     )
     for name, value in calibration.parameters.items():
         table.add_row(name, f"{value:.6g}", f"{calibration.standard_deviations[name]:.2g}")
+    for name, (value, deviation) in calibration.target_shape.items():
+        table.add_row(f"target {name}", f"{value:.6g}", f"{deviation:.2g}")
     print_table(table)
     for sentence in calibration.advice:
         typer.echo(f"Advice: {sentence}")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from fedic._internal.robust_weights import cauchy_weights, deviation_of_lengths
 from fedic._internal.types import Floats
 from fedic.calibration._adjustment.bundle import Bundle, Estimate
+from fedic.calibration._adjustment.correlation import correlation_factor
 from fedic.calibration._adjustment.start import initial_estimate, pose_of
 from fedic.calibration.lenses import Lens
 from fedic.calibration.observation import Observation
@@ -44,7 +45,7 @@ class Fit:
         Minimum; the poses of rejected views are the best ones for the camera of the others.
     covariance : ndarray, shape (p + 6 n, p + 6 n)
         Covariance of the intrinsic parameters, then, for each accepted view, of a rotation about the camera's axes
-        (radians) and of the translation.
+        (radians) and of the translation; enlarged where the residuals of neighbouring points are correlated.
     accepted : list of int
         Accepted views.
     reasons : dict of int to str
@@ -126,7 +127,9 @@ def fit(
         residual[mask] if view in accepted else residual
         for view, (residual, mask) in enumerate(zip(residuals, used, strict=True))
     ]
-    covariance = bundle.covariance(estimate.of(accepted))
+    covariance = bundle.covariance(estimate.of(accepted)) * correlation_factor(
+        [observations[view].points[used[view]] for view in accepted], [final[view] for view in accepted]
+    )
     return Fit(lens, estimate, covariance, accepted, reasons, used, initial_errors, _rms(final), residuals)
 
 

@@ -16,12 +16,13 @@ __all__ = ["centre_in_plane", "centre_reach"]
 _REACH = 0.48
 _STEPS = 3
 _RIM, _CORE = 0.85, 0.3
+_HOLLOW = 0.5
 
 
 def centre_reach(target: Target) -> float:
     """Return the radius of the disc around a centre that is free of other circles."""
     nearest = np.sqrt(2.0) if target.kind == "asymmetric-circles" else 1.0
-    return float(target.pitch * _REACH * nearest)
+    return float(min(target.pitches) * _REACH * nearest)
 
 
 def centre_in_plane(points: Floats, levels: Floats, areas: Floats, start: Floats, reach: float) -> Floats:
@@ -52,9 +53,16 @@ def centre_in_plane(points: Floats, levels: Floats, areas: Floats, start: Floats
         rim = disc & (distances > _RIM * reach)
         if not core.any() or not rim.any():
             return np.full(2, np.nan)
-        ground, ink = np.median(levels[rim]), np.median(levels[core])
+        ground, ink = np.median(levels[rim]), _ink(levels[disc], np.median(levels[rim]), np.median(levels[core]))
         if ink == ground:
             return np.full(2, np.nan)
         cover = np.clip((levels[disc] - ground) / (ink - ground), 0.0, 1.0) * areas[disc]
         centre = cover @ points[disc] / cover.sum()
     return centre
+
+
+def _ink(levels: Floats, ground: float, core: float) -> float:
+    """Return the level of the ink: that of the core, or of the ring around it if the core is of the ground's level."""
+    low, high = np.percentile(levels, [5.0, 95.0])
+    ring = float(low if ground - low > high - ground else high)
+    return core if abs(core - ground) > _HOLLOW * abs(ring - ground) else ring

@@ -22,7 +22,8 @@ _TOLERANCE = 1e-4
 
 def corner_reach(target: Target) -> float:
     """Return half the side of the square around a corner that is free of other edges, markers included."""
-    return target.pitch * _REACH if target.kind == "chessboard" else 0.5 * (target.pitch - target.marker)
+    pitch = min(target.pitches)
+    return pitch * _REACH if target.kind == "chessboard" else 0.5 * (pitch - target.marker)
 
 
 def corner_in_plane(points: Floats, levels: Floats, start: Floats, reach: float, pixel: float) -> Floats:

@@ -45,7 +45,7 @@ def refine_points(image: Image, target: Target, seen: Observation, camera: Pinho
         The refined points. Points that cannot be refined, or would move by over 2 px, are left out; if these are more
         than half, the observation is returned unchanged.
     """
-    of_circles = target.kind in ("circles", "asymmetric-circles")
+    of_circles = target.kind in ("circles", "asymmetric-circles", "ring-dots")
     reach = centre_reach(target) if of_circles else corner_reach(target)
     try:
         starts = camera.unproject(seen.pixels)[:, :2]
