@@ -10,10 +10,9 @@ from fedic.cli.common import (
     OverwriteOption,
     PictureOption,
     check_picture,
-    make_table,
-    print_table,
     reported_errors,
 )
+from fedic.cli.terminal import echo, print_table
 
 if TYPE_CHECKING:
     from fedic.registration import Registration
@@ -78,24 +77,23 @@ def register_command(
         registration.write(output, overwrite=overwrite)
         if picture is not None:
             registration.plot(picture)
-        typer.echo(f"Camera written to {output}")
+        echo(f"Camera written to {output}")
 
 
 def _print_registration(registration: "Registration") -> None:
     if registration.features:
-        table = make_table(
-            "Distances of the edges in the image from the features of the mesh, in pixels",
-            ("feature", "pieces", "median", "rms"),
-            left=("feature",),
-        )
+        rows = []
         for name, found in registration.features.items():
             counts = f"{found.used.sum()}/{len(found.used)}"
-            table.add_row(name, counts, f"{found.median:.2f}", f"{found.rms:.2f}")
-        print_table(table)
+            rows.append((name, counts, f"{found.median:.2f}", f"{found.rms:.2f}"))
+        print_table(
+            "Distances of the edges in the image from the features of the mesh, in pixels",
+            ("feature", "pieces", "median", "rms"),
+            rows,
+            left=("feature",),
+        )
     if len(registration.residuals):
         lengths = (registration.residuals**2).sum(axis=1) ** 0.5
-        typer.echo(f"{len(lengths)} points: {lengths.mean():.3f} px on average, {lengths.max():.3f} px at most")
-    table = make_table("Pose", ("parameter", "standard deviation"))
-    for name, deviation in registration.standard_deviations.items():
-        table.add_row(name, f"{deviation:.2g}")
-    print_table(table)
+        echo(f"{len(lengths)} points: {lengths.mean():.3f} px on average, {lengths.max():.3f} px at most")
+    deviations = registration.standard_deviations.items()
+    print_table("Pose", ("parameter", "standard deviation"), [(name, f"{value:.2g}") for name, value in deviations])

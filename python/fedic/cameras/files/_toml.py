@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fedic._core import FrontParallel, ImageFrame, Pinhole
-from fedic._internal.sections import read_tables
+from fedic._internal.toml_files import read_tables
 from fedic._internal.types import Camera
 from fedic.cameras.lens_sections import lens_table
 from fedic.cameras.schema import parse_camera
