@@ -13,7 +13,7 @@ _HIDDEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 def shown(text: str) -> str:
-    """Escape the characters of a name that would steer the terminal, or that it cannot show.
+    r"""Escape the characters of a name that would steer the terminal, or that it cannot show.
 
     Parameters
     ----------
