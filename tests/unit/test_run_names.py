@@ -26,7 +26,8 @@ def test_frames_are_ordered_by_their_numbers(numbers: list[int]) -> None:
 
 @given(st.lists(st.text(st.sampled_from("0123456789aB._/é²٣ "), min_size=1), max_size=8))
 def test_any_names_can_be_ordered(names: list[str]) -> None:
-    assert sorted(sorted(names, key=natural_order), key=natural_order) == sorted(names, key=natural_order)
+    backwards = names[::-1]
+    assert sorted(backwards, key=natural_order) == sorted(names, key=natural_order)
 
 
 @pytest.fixture

@@ -71,5 +71,5 @@ def test_what_is_not_a_text_file_is_refused(tmp_path: Path) -> None:
         read_tables(large, "configuration")
     with pytest.raises(fedic.ConfigError, match="cannot be"):
         read_tables(tmp_path / ("a" * 300), "configuration")
-    with pytest.raises(fedic.ConfigError, match="cannot be|no such"):
+    with pytest.raises(fedic.ConfigError, match=r"cannot be|no such"):
         read_tables(Path(f"{tmp_path}/a\0b"), "configuration")

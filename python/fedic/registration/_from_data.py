@@ -1,5 +1,6 @@
 """Registration: the pose of a mesh from point pairs, edges in the image, or a target."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
@@ -10,16 +11,18 @@ from numpy.typing import ArrayLike
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.calibration.target import Target
-from fedic.errors import ImageError, OptionError
+from fedic.errors import ImageError, OptionError, QualityWarning
 from fedic.io.images import as_image
 from fedic.registration._covariance import check_determined, check_known, covariance_of
+from fedic.registration._doubts import doubts_of
 from fedic.registration._features import BoundaryFeature, chosen_features, listed_features
 from fedic.registration._numbers import finite_number
+from fedic.registration._orientations import best_orientation
 from fedic.registration._pairs import Pairs, checked_pairs
 from fedic.registration._pose import free_parameters, placeable
 from fedic.registration._problem import Estimate, Group, Problem, pair_groups, unknowns_of
 from fedic.registration._result import FeatureDistances, Registration
-from fedic.registration._steps import from_features, from_pairs, on_plane_of_target, read_as_placed
+from fedic.registration._steps import from_pairs, on_plane_of_target, read_as_placed
 from fedic.registration._target import lying_target, target_pairs
 
 __all__ = ["register"]
@@ -104,6 +107,13 @@ def register(
         If a feature or the target is not found in the image, or the image is not finite.
     SolveError
         If the data do not determine the free parameters.
+
+    Warns
+    -----
+    QualityWarning
+        For each sentence of `Registration.doubts`: a feature whose edge lies to one side of it all along, or a mesh
+        that fits better turned by 180 degrees or mirrored. Without points or a target, a poor fit of features is tried
+        with the mesh turned too, and the better one is returned.
     """
     grey = _finite(as_image(image, "given"))
     if pixel_noise is not None and finite_number("pixel_noise", pixel_noise, _NOISE) <= 0.0:
@@ -139,13 +149,17 @@ def register(
             found = read_as_placed(mesh, estimate, problem, found, lying.place, turned=turned)
         pairs.append(found)
     problem = Problem(grey, names, (), pairs)
+    orientation = ""
     if wanted:
-        estimate, groups, problem = from_features(mesh, wanted, estimate, problem, search)
+        estimate, groups, problem, orientation = best_orientation(mesh, wanted, estimate, problem, search)
     else:
         estimate = from_pairs(estimate, problem)
         groups = pair_groups(estimate, problem)
         check_determined(groups, unknowns_of(estimate, names))
-    return _assembled(mesh, estimate, problem, groups)
+    registration = _assembled(mesh, estimate, problem, groups, orientation)
+    for sentence in registration.doubts:
+        warnings.warn(sentence, QualityWarning, stacklevel=2)
+    return registration
 
 
 def _finite(image: Image) -> Image:
@@ -169,7 +183,7 @@ def _inside(image: Image, pairs: Pairs) -> Pairs:
     return pairs
 
 
-def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Group]) -> Registration:
+def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Group], orientation: str) -> Registration:
     names = problem.names
     covariance, noises = covariance_of(groups)
     covariance = covariance[: len(names), : len(names)]
@@ -181,9 +195,18 @@ def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Gr
         if group.edge is not None
     }
     points, pixels = _points(estimate, problem)
-    residuals = pixels - estimate.camera.project(points)
     return Registration(
-        estimate.camera, names, covariance, deviations, found, points, pixels, residuals, mesh, problem.image
+        camera=estimate.camera,
+        free=names,
+        covariance=covariance,
+        standard_deviations=deviations,
+        features=found,
+        points=points,
+        pixels=pixels,
+        residuals=pixels - estimate.camera.project(points),
+        mesh=mesh,
+        image=problem.image,
+        doubts=(*([orientation] if orientation else []), *doubts_of(found.values())),
     )
 
 

@@ -101,6 +101,9 @@ class Registration(CameraResult):
         The mesh.
     image : ndarray, shape (height, width)
         The image.
+    doubts : tuple of str
+        What is doubtful, in sentences: features whose edge lies to one side of them all along, and the orientation of
+        the mesh if another fits better.
     """
 
     camera: Placeable
@@ -113,6 +116,7 @@ class Registration(CameraResult):
     residuals: Floats
     mesh: Mesh
     image: Image
+    doubts: tuple[str, ...] = ()
 
     def _figure(self) -> "Figure":
         from fedic.plotting.registration import draw_registration

@@ -21,7 +21,7 @@ from fedic.registration._search import nearby
 from fedic.registration._space import in_space
 from fedic.registration._target import start_on_target
 
-__all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
+__all__ = ["feature_strips", "from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
 
 _BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
@@ -142,14 +142,14 @@ def from_features(
         If the features and points do not determine the unknowns.
     """
     unknowns = unknowns_of(estimate, problem.names)
-    problem = replace(problem, strips=_strips(mesh, wanted, problem.image, estimate.camera, search))
+    problem = replace(problem, strips=feature_strips(mesh, wanted, problem.image, estimate.camera, search))
     _check_geometry(estimate, problem, unknowns)
     near = _from_placed_pairs(estimate, problem)
     if near is None:
         names = problem.names if estimate.place is None else ("rz", "tx", "ty")
         camera = nearby(problem.image, estimate.camera, problem.strips, names, search)
         near = Estimate(camera) if estimate.place is None else _back_on_plane(mesh, estimate, camera)
-    problem = replace(problem, strips=_strips(mesh, wanted, problem.image, near.camera, search))
+    problem = replace(problem, strips=feature_strips(mesh, wanted, problem.image, near.camera, search))
     estimate, groups, motion = fit_edges(near, problem)
     _check_found(problem.strips, groups, search)
     if motion > _UNSETTLED_PX:
@@ -159,6 +159,50 @@ def from_features(
         )
     check_determined(groups, unknowns)
     return estimate, groups, problem
+
+
+def feature_strips(
+    mesh: Mesh, wanted: Sequence[BoundaryFeature], image: Image, camera: Placeable, search: float
+) -> list[Strip]:
+    """Sample features as a camera sees them.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+    wanted : sequence of BoundaryFeature
+        The features.
+    image : ndarray, shape (height, width)
+        The image.
+    camera : FrontParallel or Pinhole
+        The camera.
+    search : float
+        Distance in pixels up to which a feature may be outside the image.
+
+    Returns
+    -------
+    list of Strip
+        One for each feature.
+
+    Raises
+    ------
+    CameraError
+        If most of a feature is outside.
+    """
+    height, width = image.shape
+    strips = []
+    for feature in wanted:
+        samples = sample_feature(mesh, feature, camera, _BLOCK_PX)
+        seen = camera.project(samples.points)
+        inside = np.all((seen >= -search) & (seen <= np.array([width, height]) - 1.0 + search), axis=1)
+        if inside.mean() < _LEAST_IN_IMAGE:
+            u, v = seen.mean(axis=0)
+            raise CameraError(
+                f"camera: the given pose puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), outside the "
+                f"image of {width} x {height} px; correct it."
+            )
+        strips.append(prepare_strip(feature.name, mesh, samples, camera))
+    return strips
 
 
 def used_points(mesh: Mesh) -> Floats:
@@ -190,25 +234,6 @@ def _back_on_plane(mesh: Mesh, estimate: Estimate, near: Placeable) -> Estimate:
     return Estimate(
         *start_on_target(near, with_pose(camera, camera.rotation @ place.turn, translation), used_points(mesh))
     )
-
-
-def _strips(
-    mesh: Mesh, wanted: Sequence[BoundaryFeature], image: Image, camera: Placeable, search: float
-) -> list[Strip]:
-    height, width = image.shape
-    strips = []
-    for feature in wanted:
-        samples = sample_feature(mesh, feature, camera, _BLOCK_PX)
-        seen = camera.project(samples.points)
-        inside = np.all((seen >= -search) & (seen <= np.array([width, height]) - 1.0 + search), axis=1)
-        if inside.mean() < _LEAST_IN_IMAGE:
-            u, v = seen.mean(axis=0)
-            raise CameraError(
-                f"camera: the given pose puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), outside the "
-                f"image of {width} x {height} px; correct it."
-            )
-        strips.append(prepare_strip(feature.name, mesh, samples, camera))
-    return strips
 
 
 def _check_geometry(estimate: Estimate, problem: Problem, unknowns: tuple[str, ...]) -> None:
