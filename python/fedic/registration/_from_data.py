@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fedic._core import Mesh
+from fedic._core import FrontParallel, Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.calibration.target import Target
 from fedic.errors import ImageError, OptionError, QualityWarning
@@ -18,7 +18,7 @@ from fedic.registration._doubts import doubts_of
 from fedic.registration._features import BoundaryFeature, chosen_features, listed_features
 from fedic.registration._numbers import finite_number
 from fedic.registration._orientations import best_orientation
-from fedic.registration._pairs import Pairs, checked_pairs
+from fedic.registration._pairs import Pairs, check_not_mirrored, checked_pairs
 from fedic.registration._pose import free_parameters, placeable
 from fedic.registration._problem import Estimate, Group, Problem, pair_groups, unknowns_of
 from fedic.registration._result import FeatureDistances, Registration
@@ -126,6 +126,8 @@ def register(
     wanted = chosen_features(mesh, features)
     pairs = [] if points is None else [_inside(grey, checked_pairs(points))]
     if pairs:
+        if isinstance(start, FrontParallel):
+            check_not_mirrored(pairs[0])
         few = len(pairs[0].points) < _FEWEST_TO_JUDGE and (len(wanted) > 0 or lying is not None)
         known = few or pixel_noise is not None
         pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]

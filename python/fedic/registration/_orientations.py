@@ -28,8 +28,6 @@ _FAR_PX = 3.0
 """Largest distance that counts, and that of a segment without an edge."""
 _BETTER = 0.7
 """Ratio of the distances below which another orientation fits better."""
-_NEAR_PX = 20.0
-"""Search distance of a mesh that is already placed, but perhaps the wrong way round."""
 _SEEN = 0.8
 """Fraction of the segments of a hole that must show an edge for the hole to count although it is not fitted."""
 _REACHES_PX, _BAND_PX = (12.0, 3.0), 8.0
@@ -125,7 +123,6 @@ def best_orientation(
     try:
         given = shape.fit(start, problem, search)
         ours = shape.distances(given)
-        start, search = given[0], min(search, _NEAR_PX)
     except (ImageError, SolveError) as error:
         fault = error
         ours = np.array([_POOR_PX / _BETTER])

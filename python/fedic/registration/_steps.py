@@ -13,8 +13,8 @@ from fedic.registration._covariance import check_determined
 from fedic.registration._edges import Strip, across_jacobian, prepare_strip
 from fedic.registration._features import BoundaryFeature
 from fedic.registration._fit import fit_edges, fit_pairs
-from fedic.registration._pairs import Pairs, Place, pinhole_from_pairs
-from fedic.registration._pose import Placeable
+from fedic.registration._pairs import Pairs, Place, front_parallel_from_pairs, pinhole_from_pairs
+from fedic.registration._pose import Placeable, free_parameters
 from fedic.registration._problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
 from fedic.registration._sampling import sample_feature
 from fedic.registration._search import nearby
@@ -33,7 +33,7 @@ _POSE = 6
 
 
 def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
-    """Fit the points, from the start or, if the whole pose is free, from the poses that fit coplanar points.
+    """Fit the points, from the start or, if the whole pose is free, from the poses that fit the points of a plane.
 
     Raises
     ------
@@ -41,10 +41,15 @@ def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
         If no start sees the points and leads to a pose that they determine; the error of the first start.
     """
     starts = [estimate]
-    if estimate.place is None and isinstance(estimate.camera, Pinhole) and len(problem.names) == _POSE:
+    if estimate.place is None and problem.names == free_parameters(estimate.camera, None):
         points = np.concatenate([pairs.points for pairs in problem.pairs])
         together = Pairs(points, np.concatenate([pairs.pixels for pairs in problem.pairs]))
-        starts = [Estimate(camera) for camera in pinhole_from_pairs(estimate.camera, together)] or starts
+        cameras: Sequence[Placeable] = (
+            pinhole_from_pairs(estimate.camera, together)
+            if isinstance(estimate.camera, Pinhole)
+            else front_parallel_from_pairs(together)
+        )
+        starts = [Estimate(camera) for camera in cameras] or starts
     fits: list[Estimate] = []
     faults: list[CameraError | SolveError] = []
     for start in starts:
