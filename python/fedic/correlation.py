@@ -24,6 +24,7 @@ from fedic.progress import ProgressCallback, core_callback
 from fedic.results import Attempt, Iteration, Quality, Result
 from fedic.starts.autocorrelation import may_repeat
 from fedic.starts.automatic import measure_from_any_start
+from fedic.starts.threads import opencv_threads
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -150,7 +151,9 @@ class Correlator:
         """
         original, deformed = deformed, validate_deformed(self._reference, deformed)
         start = self._initial if initial is None else _checked_initial(initial, self._mesh)
-        solution, name, attempts = self._solution(deformed, start, core_callback(progress))
+        with opencv_threads(self._options.get("num_threads")):
+            solution, name, attempts = self._solution(deformed, start, core_callback(progress))
+            quality = self._quality(solution, deformed)
         places = self._mesh.points.copy()
         places[:, :2] += np.nan_to_num(solution.displacement)
         _warn_of_extrapolation(self._camera, self._mesh, places, "have moved")
@@ -168,7 +171,7 @@ class Correlator:
             cell_residuals=solution.cell_residuals,
             outside_cells=solution.outside_cells,
             unchecked_displacement=solution.unchecked_displacement,
-            quality=self._quality(solution, deformed),
+            quality=quality,
             start=name,
             attempts=tuple(attempts),
             _measurement=Measurement(
