@@ -13,9 +13,11 @@ from fedic._core import CORRELATION_OPTIONS, NODE_FLAGS, ImageFrame, Mesh
 from fedic._internal.masks import pixel_mask
 from fedic._internal.measurement import Measurement
 from fedic._internal.mesh_faults import warn_of_mesh_faults
+from fedic._internal.mesh_size import size_remark
 from fedic._internal.types import Camera, Floats, Image
+from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
-from fedic.errors import CalibrationWarning, ConvergenceWarning, OptionError, QualityWarning, SolveError
+from fedic.errors import CalibrationWarning, ConvergenceWarning, MeshError, OptionError, QualityWarning, SolveError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
@@ -65,6 +67,9 @@ class Correlator:
     mask : array_like of shape (height, width), or list of polygons, optional
         Pixels of the reference image that are left out: where an image is true or not zero, or inside polygons of shape
         (k, 2), their corners ``(u, v)`` in pixels. Points within twice the smoothing of such a pixel carry no weight.
+    unit : str, optional
+        Unit of length of the mesh, such as ``"mm"``, for the labels of pictures and for files; ``"px"`` for a mesh
+        drawn in pixels.
     progress : callable, optional
         Called with a `fedic.Progress` once the reference is prepared.
     {options}
@@ -89,18 +94,27 @@ class Correlator:
         *,
         initial: Initial = "auto",
         mask: Mask | None = None,
+        unit: str | None = None,
         progress: ProgressCallback | None = None,
         **options: "Unpack[CorrelationOptions]",
     ) -> None:
-        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "mask", "progress"))
+        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "mask", "unit", "progress"))
+        self._unit = checked_unit(unit, camera)
         self._reference = copy_if_writable(reference, "reference")
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)
         self._mask = pixel_mask(mask, self._reference.shape)
-        self._core = _core.Correlator(
-            self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
-        )
+        try:
+            self._core = _core.Correlator(
+                self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
+            )
+        except MeshError as error:
+            remark = size_remark(mesh, camera, self._reference.shape)
+            raise MeshError(error.message + remark, error.cells, error.nodes) from None
+        except SolveError as error:
+            remark = size_remark(mesh, camera, self._reference.shape)
+            raise SolveError(error.message + remark, error.nodes) from None
         self._repeats: Floats | None = None
         self._options = arguments
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
@@ -174,6 +188,7 @@ class Correlator:
             quality=quality,
             start=name,
             attempts=tuple(attempts),
+            unit=self._unit,
             _measurement=Measurement(
                 reference=self._kept_reference,
                 deformed=KeptImage.of(original, "deformed", path=file_of(original)),
@@ -316,6 +331,7 @@ def correlate(
     *,
     initial: Initial = "auto",
     mask: Mask | None = None,
+    unit: str | None = None,
     progress: ProgressCallback | None = None,
     **options: "Unpack[CorrelationOptions]",
 ) -> Result:
@@ -335,6 +351,8 @@ def correlate(
         Initial displacement; see `Correlator`.
     mask : array_like of shape (height, width), or list of polygons, optional
         Pixels of the reference image that are left out; see `Correlator`.
+    unit : str, optional
+        Unit of length of the mesh; see `Correlator`.
     progress : callable, optional
         See `Correlator.correlate`.
     {options}
@@ -354,7 +372,9 @@ def correlate(
     ConvergenceWarning, QualityWarning
         As `Correlator.correlate`.
     """
-    correlator = Correlator(reference, mesh, camera, initial=initial, mask=mask, progress=progress, **options)
+    correlator = Correlator(
+        reference, mesh, camera, initial=initial, mask=mask, unit=unit, progress=progress, **options
+    )
     return correlator.correlate(deformed, progress=progress)
 
 

@@ -28,13 +28,14 @@ from fedic._internal.sections import (
 )
 from fedic._internal.toml_files import read_tables
 from fedic._internal.types import Camera
+from fedic._internal.units import checked_unit
 from fedic.cameras.files import read_camera
 from fedic.cameras.poses import with_pose
 from fedic.cameras.schema import CAMERA_SCHEMA, FrontParallelSection, ImageFrameSection, PinholeSection, Rotation
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.campaign.image_list import expand_names
 from fedic.campaign.outputs import Outputs, result_names
-from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError
+from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError
 from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
@@ -89,15 +90,16 @@ class UnstructuredSection(Section):
 
 
 class MeshSection(Section):
-    """``[mesh]``: a file, or one of the two generators."""
+    """``[mesh]``: a file, or one of the two generators, and the unit of length."""
 
     file: InFolder | None = None
     rectangle: RectangleSection | None = None
     unstructured: UnstructuredSection | None = None
+    unit: str | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> "MeshSection":
-        if len(self.model_fields_set) != 1:
+        if len(self.model_fields_set - {"unit"}) != 1:
             raise ValueError("should hold exactly one of mesh.file, [mesh.rectangle] and [mesh.unstructured]")
         return self
 
@@ -237,6 +239,10 @@ def load_config(path: Path) -> Config:
         raise config_error(path, error, _SCHEMA) from error
     _check_files(path, config)
     try:
+        checked_unit(config.mesh.unit, config.camera.build())
+    except OptionError as error:
+        raise ConfigError(f"{path}: mesh.{error}", "mesh.unit") from error
+    try:
         config.outputs().check()
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}", error.key) from error
@@ -250,7 +256,6 @@ def _check_files(path: Path, config: Config) -> None:
         _check_file(path, "mesh.file", config.mesh.file, MeshError)
     if isinstance(config.camera, CameraFileSection):
         _check_file(path, "camera.file", config.camera.file, CameraError)
-        config.camera.build()
 
 
 def _check_file(path: Path, key: str, file: Path, error: type[FedicError]) -> None:

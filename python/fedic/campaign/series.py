@@ -94,7 +94,7 @@ def measure_series(
     reference = read_image(config.images.reference, mapped=True)
     mesh = config.mesh.build()
     camera = config.camera.build()
-    correlator = Correlator(reference, mesh, camera, **config.correlation.options())
+    correlator = Correlator(reference, mesh, camera, unit=config.mesh.unit, **config.correlation.options())
     outputs.clear()
     frames: list[Frame] = []
     _write_summary(outputs, config, frames)
