@@ -13,7 +13,7 @@ from fedic._core import CORRELATION_OPTIONS, NODE_FLAGS, ImageFrame, Mesh
 from fedic._internal.masks import pixel_mask
 from fedic._internal.measurement import Measurement
 from fedic._internal.mesh_faults import warn_of_mesh_faults
-from fedic._internal.mesh_size import size_remark
+from fedic._internal.mesh_size import with_size
 from fedic._internal.types import Camera, Floats, Image
 from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
@@ -110,11 +110,10 @@ class Correlator:
                 self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
             )
         except MeshError as error:
-            remark = size_remark(mesh, camera, self._reference.shape)
-            raise MeshError(error.message + remark, error.cells, error.nodes) from None
+            message = with_size(error.message, mesh, camera, self._reference.shape)
+            raise MeshError(message, error.cells, error.nodes) from None
         except SolveError as error:
-            remark = size_remark(mesh, camera, self._reference.shape)
-            raise SolveError(error.message + remark, error.nodes) from None
+            raise SolveError(with_size(error.message, mesh, camera, self._reference.shape), error.nodes) from None
         self._repeats: Floats | None = None
         self._options = arguments
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
