@@ -86,7 +86,7 @@ def make_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError as error:
-        raise FedicError(f"{folder}: this is a file, not a folder; give another name.") from error
+        raise FedicError(f"{folder}: there is something else of this name, not a folder; give another name.") from error
     except OSError as error:
         raise FedicError(f"{folder}: the folder cannot be created ({_reason(error)}).") from error
     return folder
