@@ -136,7 +136,9 @@ def test_the_command_ends_with_status_3_and_says_why(tmp_path: Path) -> None:
     fedic.correlate(*images, MESH, FRONT).write(tmp_path / "plate.vtu")
     files = [str(tmp_path / name) for name in ("plate.vtu", "plate.png", "rough.toml")]
     features = [word for name in BOUNDARY for word in ("--feature", name)]
-    outcome = CliRunner().invoke(app, ["register", *files, *features, "--output", str(tmp_path / "camera.toml")])
+    written = ["--output", str(tmp_path / "camera.toml"), "--picture", str(tmp_path / "placed.png")]
+    outcome = CliRunner().invoke(app, ["register", *files, *features, *written])
     assert outcome.exit_code == 3, outcome.output
     assert "Doubtful: The features fit better with the mesh turned by 180 degrees" in outcome.stderr
     assert off(fedic.read_camera(tmp_path / "camera.toml"), FRONT).max() < 1.0
+    assert 'doubts = ["The features fit better' in (tmp_path / "camera.toml").read_text()

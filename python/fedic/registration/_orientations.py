@@ -18,7 +18,8 @@ from fedic.registration._edges import measure_edge
 from fedic.registration._features import BoundaryFeature, boundary_features
 from fedic.registration._mirrored import mirrored_feature, mirrored_mesh, turned_camera
 from fedic.registration._problem import Estimate, Group, Problem
-from fedic.registration._steps import feature_strips, from_features
+from fedic.registration._steps import from_features
+from fedic.registration._strips import feature_strips
 
 __all__ = ["best_orientation"]
 
@@ -131,7 +132,7 @@ def best_orientation(
         turned = shape.try_fit(Estimate(turned_camera(start.camera, mesh)), problem, search)
         if turned is not None and _is_better(shape.distances(turned), ours):
             return *turned, _TURNED
-    if not oriented and not ours.max() <= _POOR_PX:
+    if not oriented and np.nanmax(ours) > _POOR_PX:
         for image in (shape.mirrored(axis) for axis in (0, 1)):
             mirrored = image.try_fit(start, problem, search)
             if mirrored is not None and _is_better(image.distances(mirrored), ours):

@@ -6,29 +6,27 @@ from dataclasses import replace
 import numpy as np
 
 from fedic._core import Mesh, Pinhole
-from fedic._internal.types import Floats, Image
+from fedic._internal.types import Floats
 from fedic.cameras.poses import with_pose
 from fedic.errors import CameraError, ImageError, OptionError, SolveError
 from fedic.registration._covariance import check_determined
-from fedic.registration._edges import Strip, across_jacobian, prepare_strip
+from fedic.registration._edges import Strip, across_jacobian
 from fedic.registration._features import BoundaryFeature
 from fedic.registration._fit import fit_edges, fit_pairs
 from fedic.registration._pairs import Pairs, Place, front_parallel_from_pairs, pinhole_from_pairs
 from fedic.registration._pose import Placeable, free_parameters
 from fedic.registration._problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
-from fedic.registration._sampling import sample_feature
 from fedic.registration._search import nearby
 from fedic.registration._space import in_space
+from fedic.registration._strips import feature_strips
 from fedic.registration._target import start_on_target
 
-__all__ = ["feature_strips", "from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
+__all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
 
-_BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
 """Fraction of the segments of a feature that must show an edge."""
 _POOREST_EDGE_PX = 3.0
 _UNSETTLED_PX = 0.5
-_LEAST_IN_IMAGE = 0.3
 _POSE = 6
 
 
@@ -164,50 +162,6 @@ def from_features(
         )
     check_determined(groups, unknowns)
     return estimate, groups, problem
-
-
-def feature_strips(
-    mesh: Mesh, wanted: Sequence[BoundaryFeature], image: Image, camera: Placeable, search: float
-) -> list[Strip]:
-    """Sample features as a camera sees them.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        The mesh.
-    wanted : sequence of BoundaryFeature
-        The features.
-    image : ndarray, shape (height, width)
-        The image.
-    camera : FrontParallel or Pinhole
-        The camera.
-    search : float
-        Distance in pixels up to which a feature may be outside the image.
-
-    Returns
-    -------
-    list of Strip
-        One for each feature.
-
-    Raises
-    ------
-    CameraError
-        If most of a feature is outside.
-    """
-    height, width = image.shape
-    strips = []
-    for feature in wanted:
-        samples = sample_feature(mesh, feature, camera, _BLOCK_PX)
-        seen = camera.project(samples.points)
-        inside = np.all((seen >= -search) & (seen <= np.array([width, height]) - 1.0 + search), axis=1)
-        if inside.mean() < _LEAST_IN_IMAGE:
-            u, v = seen.mean(axis=0)
-            raise CameraError(
-                f"camera: the given pose puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), outside the "
-                f"image of {width} x {height} px; correct it."
-            )
-        strips.append(prepare_strip(feature.name, mesh, samples, camera))
-    return strips
 
 
 def used_points(mesh: Mesh) -> Floats:
