@@ -13,10 +13,12 @@ from fedic._core import CORRELATION_OPTIONS, NODE_FLAGS, ImageFrame, Mesh
 from fedic._internal.masks import pixel_mask
 from fedic._internal.measurement import Measurement
 from fedic._internal.mesh_faults import warn_of_mesh_faults
+from fedic._internal.mesh_size import with_size
 from fedic._internal.types import Camera, Floats, Image
+from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
 from fedic.cameras.image_size import check_image_size
-from fedic.errors import CalibrationWarning, ConvergenceWarning, OptionError, QualityWarning, SolveError
+from fedic.errors import CalibrationWarning, ConvergenceWarning, MeshError, OptionError, QualityWarning, SolveError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
@@ -25,6 +27,7 @@ from fedic.progress import ProgressCallback, core_callback
 from fedic.results import Attempt, Iteration, Quality, Result
 from fedic.starts.autocorrelation import may_repeat
 from fedic.starts.automatic import measure_from_any_start
+from fedic.starts.threads import opencv_threads
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -65,6 +68,9 @@ class Correlator:
     mask : array_like of shape (height, width), or list of polygons, optional
         Pixels of the reference image that are left out: where an image is true or not zero, or inside polygons of shape
         (k, 2), their corners ``(u, v)`` in pixels. Points within twice the smoothing of such a pixel carry no weight.
+    unit : str, optional
+        Unit of length of the mesh, such as ``"mm"``, for the labels of pictures and for files; ``"px"`` for a mesh
+        drawn in pixels.
     progress : callable, optional
         Called with a `fedic.Progress` once the reference is prepared.
     {options}
@@ -91,19 +97,27 @@ class Correlator:
         *,
         initial: Initial = "auto",
         mask: Mask | None = None,
+        unit: str | None = None,
         progress: ProgressCallback | None = None,
         **options: "Unpack[CorrelationOptions]",
     ) -> None:
-        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "mask", "progress"))
+        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "mask", "unit", "progress"))
+        self._unit = checked_unit(unit, camera)
         self._reference = copy_if_writable(reference, "reference")
         self._mesh = mesh
         self._camera = camera
         self._initial = _checked_initial(initial, mesh)
         check_image_size(camera, self._reference.shape, "reference")
         self._mask = pixel_mask(mask, self._reference.shape)
-        self._core = _core.Correlator(
-            self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
-        )
+        try:
+            self._core = _core.Correlator(
+                self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
+            )
+        except MeshError as error:
+            message = with_size(error.message, mesh, camera, self._reference.shape)
+            raise MeshError(message, error.cells, error.nodes) from None
+        except SolveError as error:
+            raise SolveError(with_size(error.message, mesh, camera, self._reference.shape), error.nodes) from None
         self._repeats: Floats | None = None
         self._options = arguments
         self._given_options = options
@@ -160,7 +174,9 @@ class Correlator:
         """
         original, deformed = deformed, validate_deformed(self._reference, deformed)
         start = self._initial if initial is None else _checked_initial(initial, self._mesh)
-        solution, name, attempts = self._solution(deformed, start, core_callback(progress))
+        with opencv_threads(self._options.get("num_threads")):
+            solution, name, attempts = self._solution(deformed, start, core_callback(progress))
+            quality = self._quality(solution, deformed)
         places = self._mesh.points.copy()
         places[:, :2] += np.nan_to_num(solution.displacement)
         _warn_of_extrapolation(self._camera, self._mesh, places, "have moved")
@@ -178,9 +194,10 @@ class Correlator:
             cell_residuals=solution.cell_residuals,
             outside_cells=solution.outside_cells,
             unchecked_displacement=solution.unchecked_displacement,
-            quality=self._quality(solution, deformed),
+            quality=quality,
             start=name,
             attempts=tuple(attempts),
+            unit=self._unit,
             _measurement=Measurement(
                 reference=self._kept_reference,
                 deformed=KeptImage.of(original, "deformed", path=file_of(original)),
@@ -326,6 +343,7 @@ def correlate(
     *,
     initial: Initial = "auto",
     mask: Mask | None = None,
+    unit: str | None = None,
     progress: ProgressCallback | None = None,
     **options: "Unpack[CorrelationOptions]",
 ) -> Result:
@@ -345,6 +363,8 @@ def correlate(
         Initial displacement; see `Correlator`.
     mask : array_like of shape (height, width), or list of polygons, optional
         Pixels of the reference image that are left out; see `Correlator`.
+    unit : str, optional
+        Unit of length of the mesh; see `Correlator`.
     progress : callable, optional
         See `Correlator.correlate`.
     {options}
@@ -364,7 +384,9 @@ def correlate(
     ConvergenceWarning, QualityWarning
         As `Correlator.correlate`.
     """
-    correlator = Correlator(reference, mesh, camera, initial=initial, mask=mask, progress=progress, **options)
+    correlator = Correlator(
+        reference, mesh, camera, initial=initial, mask=mask, unit=unit, progress=progress, **options
+    )
     return correlator.correlate(deformed, progress=progress)
 
 

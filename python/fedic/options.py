@@ -126,6 +126,6 @@ def _core_quadrature(quadrature: object) -> tuple[str, float]:
 
 
 def _unknown(name: str, known: Sequence[str]) -> OptionError:
-    nearest = difflib.get_close_matches(name, known, n=2, cutoff=0.5)
+    nearest = difflib.get_close_matches(name, known, n=2, cutoff=0.55)
     help_text = f"did you mean {' or '.join(nearest)}?" if nearest else f"the options are {', '.join(known)}."
     return OptionError(f"there is no option {name!r}; {help_text}", name)

@@ -398,6 +398,11 @@ def test_unstructured_mesh_refuses_bad_polygons(outline: list, holes: list, mess
         ({"outline": "square"}, "outline is not an array"),
         ({"cell": "hexahedron"}, "cell must be one of"),
         ({"size": 0.0}, "size is 0.0; give a positive length"),
+        ({"size": 1e-3}, r"about 2e\+10 cells of these polygons, over the limit of 5e\+06; give a larger size"),
+        ({"size": 1e-300}, "about inf cells"),
+        ({"outline": [*SQUARE[:3], (-2e9, 40.0)]}, "cells of these polygons"),
+        ({"outline": [(0.0, 0.0), (1e8, 1e-3), (1e8, 2e-3)]}, "cells of these polygons"),
+        ({"outline": np.random.default_rng(0).random((5000, 2))}, "have 5000 corners, over the limit of 4000"),
     ],
 )
 def test_unstructured_mesh_refuses_malformed_arguments(arguments: dict, message: str) -> None:

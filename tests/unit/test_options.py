@@ -91,7 +91,8 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
             {"xyz": 1},
             "xyz",
             "there is no option 'xyz'; the options are quadrature, interpolation, gradient, smoothing, brightness, "
-            "hessian, regularization_length, tolerance, noise, max_iterations, num_threads, initial, mask, progress.",
+            "hessian, regularization_length, tolerance, noise, max_iterations, num_threads, initial, mask, unit, "
+            "progress.",
         ),
         (
             {"smoothing": -1.0},

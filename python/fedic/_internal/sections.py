@@ -1,21 +1,15 @@
 """Sections of TOML files as pydantic models, and error messages that name the key at fault."""
 
 import difflib
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, ValidationInfo
 from pydantic_core import ErrorDetails
 
 from fedic.errors import ConfigError
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 __all__ = [
     "InFolder",
@@ -25,7 +19,6 @@ __all__ = [
     "Section",
     "config_error",
     "in_folder",
-    "read_tables",
 ]
 
 
@@ -40,9 +33,22 @@ def in_folder(path: Path, info: ValidationInfo) -> Path:
     return Path((info.context or {}).get("folder", "."), path)
 
 
+def _possible(path: Path) -> Path:
+    """Check that the file system can look up a path."""
+    if "\0" in str(path):
+        raise ValueError("should be a name without the character NUL")
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError as error:
+        raise ValueError(f"should be a path that can be looked up ({error.strerror})") from None
+    return path
+
+
 Real: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive: TypeAlias = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
-InFolder: TypeAlias = Annotated[Path, AfterValidator(in_folder)]
+InFolder: TypeAlias = Annotated[Path, AfterValidator(in_folder), AfterValidator(_possible)]
 
 
 @dataclass(frozen=True)
@@ -60,39 +66,6 @@ class Schema:
 
     sections: Mapping[str, type[Section]]
     choices: Mapping[str, tuple[str, ...]]
-
-
-def read_tables(path: Path, what: str) -> dict[str, Any]:
-    """Read a TOML file.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    what : str
-        Kind of file in messages, such as ``"configuration"``.
-
-    Returns
-    -------
-    dict
-        Its tables.
-
-    Raises
-    ------
-    ConfigError
-        If the file is missing or not TOML.
-    """
-    try:
-        tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ConfigError(f"{path}: there is no such {what} file; check the path.") from None
-    except OSError as error:
-        raise ConfigError(f"{path}: the {what} file cannot be read ({error.strerror}).") from error
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: the {what} file is not UTF-8 text.") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not a valid TOML file: {error}.") from error
-    return tables
 
 
 def config_error(path: Path, error: ValidationError, schema: Schema, *, within: str = "") -> ConfigError:

@@ -1,8 +1,7 @@
 """Configuration file of ``fedic run``."""
 
-import glob
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from pydantic import (
@@ -10,6 +9,7 @@ from pydantic import (
     BeforeValidator,
     Discriminator,
     Field,
+    PrivateAttr,
     Tag,
     ValidationError,
     ValidationInfo,
@@ -25,9 +25,10 @@ from fedic._internal.sections import (
     Section,
     config_error,
     in_folder,
-    read_tables,
 )
+from fedic._internal.toml_files import read_tables
 from fedic._internal.types import Camera
+from fedic._internal.units import checked_unit
 from fedic.cameras.files import read_camera, read_file_camera
 from fedic.cameras.poses import with_pose
 from fedic.cameras.schema import (
@@ -41,8 +42,10 @@ from fedic.cameras.schema import (
     rotation_argument,
 )
 from fedic.campaign.correlation_section import CorrelationSection
-from fedic.errors import CameraError, ConfigError, ImageError, MeshError
-from fedic.io.images import image_stem, split_page
+from fedic.campaign.image_list import expand_names
+from fedic.campaign.outputs import Outputs, result_names
+from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError
+from fedic.io.images import split_page
 from fedic.io.meshes import read_mesh, split_choice
 from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
@@ -55,18 +58,10 @@ def _expanded(value: object, info: ValidationInfo) -> object:
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise ValueError("should be a file name, a pattern such as 'frame-*.tif', or a list of them")
-    folder = in_folder(Path(), info)
-    files: list[str] = []
-    for name in names:
-        pattern, page = split_page(in_folder(Path(name), info))
-        if not glob.has_magic(name) or pattern.exists():
-            files.append(name)
-            continue
-        files_of_name = name if page is None else name.rpartition("#")[0]
-        matches = sorted(glob.glob(files_of_name, root_dir=folder))  # noqa: PTH207 - the pattern may be absolute
-        if not matches:
-            raise ValueError(f"should match a file: {name!r} matches none in {folder}")
-        files += matches if page is None else [f"{match}#{page}" for match in matches]
+    if any("\0" in name for name in names):
+        raise ValueError("should be names without the character NUL")
+    files, left_out = expand_names(names, in_folder(Path(), info), info.data.get("reference"))
+    (info.context or {}).setdefault("left_out", left_out)
     return files
 
 
@@ -105,15 +100,16 @@ class UnstructuredSection(Section):
 
 
 class MeshSection(Section):
-    """``[mesh]``: a file, or one of the two generators."""
+    """``[mesh]``: a file, or one of the two generators, and the unit of length."""
 
     file: InFolder | None = None
     rectangle: RectangleSection | None = None
     unstructured: UnstructuredSection | None = None
+    unit: str | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> "MeshSection":
-        if len(self.model_fields_set) != 1:
+        if len(self.model_fields_set - {"unit"}) != 1:
             raise ValueError("should hold exactly one of mesh.file, [mesh.rectangle] and [mesh.unstructured]")
         return self
 
@@ -202,6 +198,30 @@ class Config(Section):
     camera: CameraSection = ImageFrameSection(model="image-frame")
     correlation: CorrelationSection = CorrelationSection()
     output: OutputSection
+    _source: Path | None = PrivateAttr(None)
+    _left_out: list[str] = PrivateAttr(default_factory=list)
+
+    def model_post_init(self, context: dict[str, Any] | None) -> None:
+        """Keep what is not in the file: its name, and the images that patterns left out."""
+        self._source = (context or {}).get("source")
+        self._left_out = (context or {}).get("left_out", [])
+
+    @property
+    def left_out(self) -> list[str]:
+        """Files that match a pattern of ``images.deformed`` but are the reference image, which is not measured."""
+        return self._left_out
+
+    def outputs(self) -> Outputs:
+        """Return the files that the run writes, which are not checked yet."""
+        inputs = [("images.reference", split_page(self.images.reference)[0])]
+        inputs += [("images.deformed", split_page(image)[0]) for image in self.images.deformed]
+        if self.mesh.file is not None:
+            inputs.append(("mesh.file", split_choice(self.mesh.file)[0]))
+        if isinstance(self.camera, CameraFileSection):
+            inputs.append(("camera.file", self.camera.file))
+        if self._source is not None:
+            inputs.append(("this configuration", self._source))
+        return Outputs(self.output.folder, result_names(self.images.deformed), self.output.pictures, inputs)
 
 
 _SCHEMA = Schema(
@@ -236,38 +256,38 @@ def load_config(path: Path) -> Config:
     Raises
     ------
     ConfigError
-        If the file is missing, is not TOML, or has an unknown, missing or wrong key.
+        If the file is missing, is not TOML, or has an unknown, missing or wrong key, or if a result would replace a
+        file that is read.
     ImageError, MeshError, CameraError
         If an image, mesh or camera it names does not exist, or the camera cannot be read.
     """
     content = read_tables(path, "configuration")
     try:
-        config = Config.model_validate(content, context={"folder": path.parent})
+        config = Config.model_validate(content, context={"folder": path.parent, "source": path})
     except ValidationError as error:
         raise config_error(path, error, _SCHEMA) from error
     _check_files(path, config)
+    try:
+        checked_unit(config.mesh.unit, config.camera.build())
+    except OptionError as error:
+        raise ConfigError(f"{path}: mesh.{error}", "mesh.unit") from error
+    try:
+        config.outputs().check()
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}", error.key) from error
     return config
 
 
 def _check_files(path: Path, config: Config) -> None:
     for key, image in (("reference", config.images.reference), *(("deformed", d) for d in config.images.deformed)):
-        file, _ = split_page(image)
-        if not file.exists():
-            raise ImageError(f"{path}: images.{key} names {image}, which does not exist.")
-        if not file.is_file():
-            raise ImageError(f"{path}: images.{key} names {image}, which is not a regular file.")
+        _check_file(path, f"images.{key}", split_page(image)[0], ImageError)
     if config.mesh.file is not None:
-        mesh, _ = split_choice(config.mesh.file)
-        if not mesh.is_file():
-            raise MeshError(f"{path}: mesh.file names {mesh}, which does not exist.")
+        _check_file(path, "mesh.file", split_choice(config.mesh.file)[0], MeshError)
     if isinstance(config.camera, CameraFileSection):
-        if not config.camera.file.is_file():
-            raise CameraError(f"{path}: camera.file names {config.camera.file}, which does not exist.")
-        config.camera.build()
-    stems = [image_stem(image) for image in config.images.deformed]
-    twice = next((stem for stem in stems if stems.count(stem) > 1), None)
-    if twice is not None:
-        raise ConfigError(
-            f"{path}: images.deformed names two images called {twice!r}; their results would overwrite each other.",
-            "images.deformed",
-        )
+        _check_file(path, "camera.file", config.camera.file, CameraError)
+
+
+def _check_file(path: Path, key: str, file: Path, error: type[FedicError]) -> None:
+    if not file.is_file():
+        state = "is not a regular file" if file.exists() else "does not exist"
+        raise error(f"{path}: {key} names {file}, which {state}.")

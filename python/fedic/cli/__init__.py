@@ -1,5 +1,25 @@
-"""Command line of fedic."""
+"""Command line of fedic.
 
-from fedic.cli._app import app
+The application is imported when it is asked for, so that Ctrl-C meanwhile ends the command as it does later.
+"""
+
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fedic.cli._app import app
 
 __all__ = ["app"]
+
+_EXIT_INTERRUPTED = 130
+
+
+def __getattr__(name: str) -> object:
+    if name != "app":
+        raise AttributeError(f"module 'fedic.cli' has no attribute {name!r}")
+    try:
+        from fedic.cli._app import app
+    except KeyboardInterrupt:
+        sys.stderr.write("fedic: interrupted\n")
+        raise SystemExit(_EXIT_INTERRUPTED) from None
+    return app

@@ -10,11 +10,10 @@ from fedic.cli.common import (
     OverwriteOption,
     PictureOption,
     check_picture,
-    make_table,
-    print_table,
     reported_errors,
 )
 from fedic.cli.progress import TerminalProgress
+from fedic.cli.terminal import echo, print_table
 from fedic.errors import CameraError
 
 if TYPE_CHECKING:
@@ -65,27 +64,32 @@ def calibrate_command(
         calibration.write(output, overwrite=overwrite)
         if picture is not None:
             calibration.plot(picture)
-        typer.echo(f"Camera {'replaced in' if existed else 'written to'} {output}")
+        echo(f"Camera {'replaced in' if existed else 'written to'} {output}")
 
 
 def _print_calibration(calibration: "Calibration") -> None:
-    table = make_table(
-        f"Views ({calibration.distortion}): distance of measured and projected points, in pixels",
-        ("view", "points", "initial", "final", ""),
-        left=("view", ""),
-    )
+    rows = []
     for view in calibration.views:
         counts = f"{view.used.sum()}/{len(view.used)}" if view.found else ""
         errors = [f"{error:.3f}" if view.found else "" for error in (view.initial_error, view.final_error)]
-        table.add_row(Path(view.name).name, counts, *errors, "" if view.accepted else f"rejected: {view.reason}")
-    print_table(table)
-    table = make_table(
-        f"Camera: {calibration.reprojection_error:.4f} px rms", ("parameter", "value", "standard deviation")
+        rows.append([Path(view.name).name, counts, *errors, "" if view.accepted else f"rejected: {view.reason}"])
+    print_table(
+        f"Views ({calibration.distortion}): distance of measured and projected points, in pixels",
+        ("view", "points", "initial", "final", ""),
+        rows,
+        left=("view", ""),
     )
-    for name, value in calibration.parameters.items():
-        table.add_row(name, f"{value:.6g}", f"{calibration.standard_deviations[name]:.2g}")
-    for name, (value, deviation) in calibration.target_shape.items():
-        table.add_row(f"target {name}", f"{value:.6g}", f"{deviation:.2g}")
-    print_table(table)
+    print_table(
+        f"Camera: {calibration.reprojection_error:.4f} px rms",
+        ("parameter", "value", "standard deviation"),
+        [
+            (name, f"{value:.6g}", f"{calibration.standard_deviations[name]:.2g}")
+            for name, value in calibration.parameters.items()
+        ]
+        + [
+            (f"target {name}", f"{value:.6g}", f"{deviation:.2g}")
+            for name, (value, deviation) in calibration.target_shape.items()
+        ],
+    )
     for sentence in calibration.advice:
-        typer.echo(f"Advice: {sentence}")
+        echo(f"Advice: {sentence}")

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fedic.cli.common import make_table, print_table, reported_errors
+from fedic.cli.common import reported_errors
 from fedic.cli.progress import TerminalProgress
+from fedic.cli.terminal import echo, print_table
 
 if TYPE_CHECKING:
     from fedic.demo import Demo
@@ -25,16 +26,17 @@ def demo_command(
             demo = measure(progress=progress)
         write_demo(demo, output)
         _print_demo(demo)
-        typer.echo(f"Images, results and error-maps.png in {output}")
+        echo(f"Images, results and error-maps.png in {output}")
 
 
 def _print_demo(demo: "Demo") -> None:
-    table = make_table(
-        "Error of the measured displacement, in pixels",
-        ("", "bias u", "bias v", "std u", "std v", "seconds"),
-        left=("",),
-    )
+    rows = []
     for case in (demo.with_lens, demo.without_lens):
         errors = [f"{value:+.5f}" for value in case.bias] + [f"{value:.5f}" for value in case.std]
-        table.add_row(case.name, *errors, f"{case.seconds:.2f}")
-    print_table(table)
+        rows.append([case.name, *errors, f"{case.seconds:.2f}"])
+    print_table(
+        "Error of the measured displacement, in pixels",
+        ("", "bias u", "bias v", "std u", "std v", "seconds"),
+        rows,
+        left=("",),
+    )

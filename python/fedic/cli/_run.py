@@ -7,6 +7,7 @@ import typer
 
 from fedic.cli.common import EXIT_DOUBTFUL, reported_errors
 from fedic.cli.progress import TerminalProgress
+from fedic.cli.terminal import echo, shown
 
 if TYPE_CHECKING:
     from fedic.campaign.series import Frame
@@ -16,6 +17,9 @@ def run_command(
     config: Annotated[
         Path, typer.Argument(metavar="CONFIG.toml", help="Configuration file; see examples/openhole.toml.")
     ],
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Remove the results of an earlier run in the output folder first.")
+    ] = False,
 ) -> None:
     """Measure a series of images described by a configuration file.
 
@@ -26,17 +30,19 @@ def run_command(
         from fedic.campaign import load_config, measure_series
 
         settings = load_config(config)
+        if settings.left_out:
+            echo(f"{shown(settings.images.reference.name)}: the reference image, left out of images.deformed", err=True)
         with TerminalProgress(config.name) as progress:
             frames = []
-            for frame in measure_series(settings, progress=progress):
+            for frame in measure_series(settings, overwrite=overwrite, progress=progress):
                 _print_frame(frame)
                 frames.append(frame)
-        typer.echo(f"Results in {settings.output.folder}")
+        echo(f"Results in {settings.output.folder}")
         doubtful = [frame for frame in frames if not frame.is_good]
         if doubtful:
-            typer.echo(
+            echo(
                 f"{len(doubtful)} of {len(frames)} frames did not converge or are doubtful, the first being "
-                f"{doubtful[0].image.name}; summary.json and the other files mark what.",
+                f"{shown(doubtful[0].image.name)}; summary.json and the other files mark what.",
                 err=True,
             )
             raise typer.Exit(EXIT_DOUBTFUL)
@@ -44,15 +50,16 @@ def run_command(
 
 def _print_frame(frame: "Frame") -> None:
     outcome = frame.outcome
+    title = shown(frame.image.name) + ("" if frame.name == frame.image.stem else f" (as {shown(frame.name)})")
     if frame.error is not None:
-        typer.echo(f"{frame.image.name}: failed: {frame.error}", err=True)
+        echo(f"{title}: failed: {frame.error}", err=True)
         return
     unit = "iteration" if outcome["iterations"] == 1 else "iterations"
     state = "converged" if outcome["converged"] else "NOT CONVERGED"
     outside = f", {len(outcome['outside_cells'])} cells partly out of the image" if outcome["outside_cells"] else ""
-    typer.echo(
-        f"{frame.image.name}: {state} in {outcome['iterations']} {unit}, residual {outcome['residual_rms']:.3g} "
+    echo(
+        f"{title}: {state} in {outcome['iterations']} {unit}, residual {outcome['residual_rms']:.3g} "
         f"grey levels{outside} ({frame.seconds:.1f} s)"
     )
     for reason in outcome["quality"]["reasons"]:
-        typer.echo(f"  {reason}", err=True)
+        echo(f"  {reason}", err=True)

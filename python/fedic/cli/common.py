@@ -1,16 +1,14 @@
 """Parts that commands share: error messages, tables, and options of output files."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, TypeAlias
 
 import typer
 
+from fedic.cli.terminal import echo
 from fedic.errors import FedicError
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 __all__ = [
     "EXIT_DOUBTFUL",
@@ -18,14 +16,12 @@ __all__ = [
     "OverwriteOption",
     "PictureOption",
     "check_picture",
-    "make_table",
-    "print_table",
     "reported_errors",
 ]
 
 _EXIT_ERROR = 2
 EXIT_DOUBTFUL = 3
-"""Exit status after a measurement that did not converge or is doubtful."""
+"""Exit status after a result that did not converge or is doubtful."""
 _EXIT_INTERRUPTED = 130
 
 CameraOption: TypeAlias = Annotated[
@@ -45,10 +41,10 @@ def reported_errors() -> Iterator[None]:
     try:
         yield
     except FedicError as error:
-        typer.echo(f"fedic: {error}", err=True)
+        echo(f"fedic: {error}", err=True)
         raise typer.Exit(_EXIT_ERROR) from None
     except KeyboardInterrupt:
-        typer.echo("fedic: interrupted", err=True)
+        echo("fedic: interrupted", err=True)
         raise typer.Exit(_EXIT_INTERRUPTED) from None
 
 
@@ -84,23 +80,3 @@ def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bo
         raise FedicError(f"{picture}: the picture would replace an input image; give it another name.")
     if not overwrite:
         raise FedicError(f"{picture}: this file exists and was not changed; --overwrite replaces it by the picture.")
-
-
-def make_table(title: str, columns: Sequence[str], *, left: Sequence[str] = ()) -> "Table":
-    """Make a table with right-aligned columns, except those named in `left`, which are left-aligned and wrap."""
-    from rich.table import Table
-
-    table = Table(title=title)
-    for column in columns:
-        if column in left:
-            table.add_column(column, overflow="fold")
-        else:
-            table.add_column(column, justify="right", no_wrap=True)
-    return table
-
-
-def print_table(table: "Table") -> None:
-    """Print a table."""
-    from rich.console import Console
-
-    Console().print(table)

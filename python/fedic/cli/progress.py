@@ -4,6 +4,7 @@ import threading
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from fedic.cli.terminal import shown
 from fedic.progress import Progress
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class TerminalProgress:
     def _line(self) -> "Text":
         from rich.text import Text
 
-        return Text(f"{self._title}: {self._text or 'preparing'}")
+        return Text(f"{shown(self._title)}: {self._text or 'preparing'}")
 
 
 def _describe(progress: Progress) -> str:

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fedic.cli.common import print_table, reported_errors
+from fedic.cli.common import reported_errors
 from fedic.cli.progress import TerminalProgress
+from fedic.cli.terminal import echo, print_table
 
 if TYPE_CHECKING:
     from fedic.experiments.outcome import Outcome
@@ -52,16 +53,10 @@ def experiment_command(
                 outcome = run_experiment(each, Request(quick, real, pair, progress))
             write_outcome(outcome, output, quick=quick, seconds=time.perf_counter() - start)
             _print_outcome(outcome)
-        typer.echo(f"Numbers, pictures and {write_report(output).name} in {output}")
+        echo(f"Numbers, pictures and {write_report(output).name} in {output}")
 
 
 def _print_outcome(outcome: "Outcome") -> None:
-    from rich.table import Table
-
-    table = Table(title=f"{outcome.name}: {outcome.title}")
-    table.add_column("claim")
-    table.add_column("measured")
-    table.add_column("holds", no_wrap=True)
-    for claim in outcome.claims:
-        table.add_row(claim.text, claim.measured, "yes" if claim.holds else "NO")
-    print_table(table)
+    rows = [(claim.text, claim.measured, "yes" if claim.holds else "NO") for claim in outcome.claims]
+    columns = ("claim", "measured", "holds")
+    print_table(f"{outcome.name}: {outcome.title}", columns, rows, left=columns[:2])

@@ -7,6 +7,7 @@ import base64
 from collections.abc import Iterable, Mapping
 from html import escape
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ def write_vtu(
     point_data: Mapping[str, Array],
     cell_data: Mapping[str, Array],
     field_data: Mapping[str, Array],
+    units: Mapping[str, str] | None = None,
 ) -> None:
     """Write an unstructured grid with base64-encoded arrays.
 
@@ -44,6 +46,8 @@ def write_vtu(
         the other.
     field_data : dict
         Arrays of the whole file by name, (k,).
+    units : dict, optional
+        Units by the names of arrays, written as VTK's key ``UNITS_LABEL``.
     """
     counts = {name: nodes.shape for name, nodes in cells.items()}
     sizes = np.concatenate([np.full(count, size) for count, size in counts.values()]).astype("<i8")
@@ -67,12 +71,14 @@ def write_vtu(
         file.write(f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(sizes)}">\n'.encode())
         for section, arrays in grid:
             file.write(f"<{section}>\n".encode())
-            file.writelines(_data_arrays(arrays))
+            file.writelines(_data_arrays(arrays, units=units or {}))
             file.write(f"</{section}>\n".encode())
         file.write(b"</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
 
 
-def _data_arrays(arrays: Iterable[tuple[str, Array]], *, counted: bool = False) -> Iterable[bytes]:
+def _data_arrays(
+    arrays: Iterable[tuple[str, Array]], *, counted: bool = False, units: Mapping[str, str] = MappingProxyType({})
+) -> Iterable[bytes]:
     for name, values in arrays:
         numbers = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
         components = f' NumberOfComponents="{numbers.shape[1]}"' if numbers.ndim > 1 else ""
@@ -80,4 +86,7 @@ def _data_arrays(arrays: Iterable[tuple[str, Array]], *, counted: bool = False) 
         kind = _TYPE_NAMES[numbers.dtype.str[1:]]
         yield f'<DataArray type="{kind}" Name="{escape(name)}"{components} format="binary">\n'.encode()
         yield base64.b64encode(np.uint64(numbers.nbytes).astype("<u8").tobytes() + numbers.tobytes())
+        if name in units:
+            key = f'<InformationKey name="UNITS_LABEL" location="vtkDataArray">{escape(units[name])}</InformationKey>'
+            yield f"\n{key}".encode()
         yield b"\n</DataArray>\n"

@@ -60,6 +60,7 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
                 _point_data(arrays),
                 _cell_data(arrays),
                 {name: np.array([arrays[name]], dtype=np.uint8) for name in ("converged", "good")},
+                {"displacement": str(arrays["unit"])} if str(arrays["unit"]) else {},
             )
     elif suffix == ".vtk":
         _write_vtk(path, mesh, arrays)

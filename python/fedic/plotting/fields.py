@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fedic._core import CELL_TYPES, ImageFrame, Mesh
+from fedic._core import CELL_TYPES, Mesh
 from fedic._internal.choices import check_choice
 from fedic._internal.types import Camera, Floats, Image
 from fedic.errors import ImageError
@@ -56,6 +56,10 @@ class MeasuredField(Protocol):
     @property
     def quality(self) -> Quality:
         """The verdict."""
+
+    @property
+    def unit(self) -> str:
+        """The mesh's unit; empty if it is not known."""
 
     def strains(self, measure: StrainMeasure, at: Literal["nodes"]) -> Strains:
         """Return the strains at the nodes."""
@@ -116,8 +120,7 @@ def plot_displacement(
     vectors = field.pixel_displacement if in_pixels else field.displacement
     values = vectors[:, 0 if component in ("x", "u") else 1]
     name = component if in_pixels else f"$U_{component}$"
-    drawn = isinstance(field.camera, ImageFrame) and field.camera.scale == 1.0
-    unit = "px" if in_pixels or drawn else "mesh unit"
+    unit = "px" if in_pixels else field.unit.replace("$", r"\$") or "mesh unit"
     return _plot_nodal_field(field, image, values, f"{name} ({unit})", on)
 
 

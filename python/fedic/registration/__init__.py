@@ -2,7 +2,7 @@
 
 from fedic.registration._features import BoundaryFeature, boundary_features
 from fedic.registration._from_data import register
-from fedic.registration._pairs import read_pairs
+from fedic.registration._pair_files import read_pairs
 from fedic.registration._result import FeatureDistances, Registration, check_format
 
 __all__ = [

@@ -63,8 +63,8 @@ def check_known(names: Sequence[str], deviations: Sequence[float], camera: Place
     if poor:
         uncertain = ", ".join(f"{name} (standard deviation {value:.2g})" for name, value in poor)
         raise SolveError(
-            f"The points and features given hardly determine {uncertain}: leave known parameters out of free=(...), or "
-            "add points and features further apart."
+            f"The points and features given hardly determine {uncertain}: leave known parameters out of free=(...), "
+            "add points and features further apart, or check that the points are where their image points are."
         )
 
 

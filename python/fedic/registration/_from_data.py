@@ -1,5 +1,6 @@
 """Registration: the pose of a mesh from point pairs, edges in the image, or a target."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias
@@ -7,20 +8,22 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fedic._core import Mesh
+from fedic._core import FrontParallel, Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.calibration.target import Target
 from fedic.cameras.image_size import check_image_size
-from fedic.errors import ImageError, OptionError
+from fedic.errors import ImageError, OptionError, QualityWarning
 from fedic.io.images import as_image
 from fedic.registration._covariance import check_determined, check_known, covariance_of
+from fedic.registration._doubts import doubts_of
 from fedic.registration._features import BoundaryFeature, chosen_features, listed_features
 from fedic.registration._numbers import finite_number
-from fedic.registration._pairs import Pairs, checked_pairs
+from fedic.registration._orientations import best_orientation
+from fedic.registration._pairs import Pairs, check_not_mirrored, checked_pairs
 from fedic.registration._pose import free_parameters, placeable
 from fedic.registration._problem import Estimate, Group, Problem, pair_groups, unknowns_of
 from fedic.registration._result import FeatureDistances, Registration
-from fedic.registration._steps import from_features, from_pairs, on_plane_of_target, read_as_placed
+from fedic.registration._steps import from_pairs, on_plane_of_target, read_as_placed
 from fedic.registration._target import lying_target, target_pairs
 
 __all__ = ["register"]
@@ -105,6 +108,13 @@ def register(
         If a feature or the target is not found in the image, or the image is not finite.
     SolveError
         If the data do not determine the free parameters.
+
+    Warns
+    -----
+    QualityWarning
+        For each sentence of `Registration.doubts`: a feature whose edge lies to one side of it all along, or a mesh
+        that fits better turned by 180 degrees or mirrored. Without points or a target, a poor fit of features is tried
+        with the mesh turned too, and the better one is returned.
     """
     grey = _finite(as_image(image, "given"))
     if pixel_noise is not None and finite_number("pixel_noise", pixel_noise, _NOISE) <= 0.0:
@@ -118,6 +128,8 @@ def register(
     wanted = chosen_features(mesh, features)
     pairs = [] if points is None else [_inside(grey, checked_pairs(points))]
     if pairs:
+        if isinstance(start, FrontParallel):
+            check_not_mirrored(pairs[0])
         few = len(pairs[0].points) < _FEWEST_TO_JUDGE and (len(wanted) > 0 or lying is not None)
         known = few or pixel_noise is not None
         pairs = [replace(pairs[0], noise=_EXPECTED_NOISE_PX if pixel_noise is None else pixel_noise, known=known)]
@@ -141,13 +153,17 @@ def register(
             found = read_as_placed(mesh, estimate, problem, found, lying.place, turned=turned)
         pairs.append(found)
     problem = Problem(grey, names, (), pairs)
+    orientation = ""
     if wanted:
-        estimate, groups, problem = from_features(mesh, wanted, estimate, problem, search)
+        estimate, groups, problem, orientation = best_orientation(mesh, wanted, estimate, problem, search)
     else:
         estimate = from_pairs(estimate, problem)
         groups = pair_groups(estimate, problem)
         check_determined(groups, unknowns_of(estimate, names))
-    return _assembled(mesh, estimate, problem, groups)
+    registration = _assembled(mesh, estimate, problem, groups, orientation)
+    for sentence in registration.doubts:
+        warnings.warn(sentence, QualityWarning, stacklevel=2)
+    return registration
 
 
 def _finite(image: Image) -> Image:
@@ -171,7 +187,7 @@ def _inside(image: Image, pairs: Pairs) -> Pairs:
     return pairs
 
 
-def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Group]) -> Registration:
+def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Group], orientation: str) -> Registration:
     names = problem.names
     covariance, noises = covariance_of(groups)
     covariance = covariance[: len(names), : len(names)]
@@ -183,9 +199,18 @@ def _assembled(mesh: Mesh, estimate: Estimate, problem: Problem, groups: list[Gr
         if group.edge is not None
     }
     points, pixels = _points(estimate, problem)
-    residuals = pixels - estimate.camera.project(points)
     return Registration(
-        estimate.camera, names, covariance, deviations, found, points, pixels, residuals, mesh, problem.image
+        camera=estimate.camera,
+        free=names,
+        covariance=covariance,
+        standard_deviations=deviations,
+        features=found,
+        points=points,
+        pixels=pixels,
+        residuals=pixels - estimate.camera.project(points),
+        mesh=mesh,
+        image=problem.image,
+        doubts=(*([orientation] if orientation else []), *doubts_of(found.values())),
     )
 
 

@@ -1,20 +1,29 @@
 """Point pairs: points in the frame of the mesh and their image points, given by hand or found on a target."""
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-from fedic._core import Pinhole
-from fedic._internal.types import Floats, StrPath
+from fedic._core import FrontParallel, Pinhole
+from fedic._internal.types import Floats
 from fedic.cameras.poses import flat_poses, with_pose
 from fedic.errors import CameraError, OptionError
 from fedic.registration._pose import Placeable, pose_jacobian
 from fedic.registration._space import in_space
 
-__all__ = ["Pairs", "Place", "checked_pairs", "pair_rows", "pinhole_from_pairs", "read_pairs"]
+__all__ = [
+    "Pairs",
+    "Place",
+    "check_not_mirrored",
+    "checked_pairs",
+    "front_parallel_from_pairs",
+    "pair_rows",
+    "pinhole_from_pairs",
+]
 
 _FEWEST_FOR_A_POSE = 4
+_FLATTEST = 0.05
+"""Ratio of the sides of points that are taken for collinear, and of the distances that are taken for errors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,32 +99,29 @@ def checked_pairs(points: object) -> Pairs:
     return Pairs(in_space(where), at)
 
 
-def read_pairs(path: StrPath) -> tuple[Floats, Floats]:
-    """Read point pairs from a text file.
-
-    Parameters
-    ----------
-    path : str or path
-        File with one pair per line: X, Y, u, v or X, Y, Z, u, v, separated by blanks or commas; ``#`` begins a comment.
-
-    Returns
-    -------
-    points : ndarray, shape (m, 2) or (m, 3)
-    pixels : ndarray, shape (m, 2)
+def check_not_mirrored(pairs: Pairs) -> None:
+    """Check that a front-parallel camera, which never mirrors, can have seen the points where they are given.
 
     Raises
     ------
-    CameraError
-        If the file is missing or has another content.
+    OptionError
+        If the image points are the mirror image of the points.
     """
-    try:
-        lines = Path(path).read_text(encoding="utf-8").replace(",", " ").splitlines()
-        rows = np.loadtxt(lines, ndmin=2)
-    except (OSError, ValueError) as fault:
-        raise CameraError(f"{path}: the point pairs cannot be read ({fault}).") from None
-    if rows.shape[1] not in (4, 5):
-        raise CameraError(f"{path}: {rows.shape[1]} numbers on a line; write X Y u v, or X Y Z u v.")
-    return rows[:, :-2], rows[:, -2:]
+    rows = np.column_stack([pairs.points[:, :2], np.ones(len(pairs.points))])
+    rows[:, :2] -= rows[:, :2].mean(axis=0)
+    sizes = np.linalg.svd(rows[:, :2], compute_uv=False)
+    if len(rows) < 3 or sizes[1] < _FLATTEST * sizes[0]:
+        return
+    solution = np.linalg.lstsq(rows, pairs.pixels, rcond=None)[0]
+    left = np.abs(pairs.pixels - rows @ solution).max()
+    # Y points up and v down.
+    if np.linalg.det(solution[:2]) > 0.0 and left < _FLATTEST * np.ptp(pairs.pixels, axis=0).max():
+        raise OptionError(
+            "points: the image points are the mirror image of the points. Y points up and v down, and u is the column: "
+            "change the sign of Y if it was measured downwards, exchange u and v if v comes first, or mirror the mesh "
+            "if it is drawn as seen from the other side.",
+            "points",
+        )
 
 
 def pair_rows(camera: Placeable, place: Place | None, pairs: Pairs, names: tuple[str, ...]) -> tuple[Floats, Floats]:
@@ -136,6 +142,18 @@ def pair_rows(camera: Placeable, place: Place | None, pairs: Pairs, names: tuple
             by_place[:, :, 2] = np.einsum("nij,nj->ni", slopes, turned)
         jacobian = np.concatenate([jacobian, by_place], axis=2)
     return residuals, jacobian.reshape(len(residuals), -1)
+
+
+def front_parallel_from_pairs(pairs: Pairs) -> list[FrontParallel]:
+    """Return the camera that fits points best; none if they are at one place."""
+    places, seen = pairs.points[:, :2] @ [1.0, 1.0j], pairs.pixels @ [1.0, -1.0j]
+    arms = places - places.mean()
+    size = float(np.abs(arms).max())
+    factor = complex(np.vdot(arms, seen)) / float(np.vdot(arms, arms).real) if size > 0.0 else 0.0j
+    if abs(factor) * size < 1e-6:
+        return []
+    origin = complex(seen.mean() - factor * places.mean())
+    return [FrontParallel(abs(factor), (origin.real, -origin.imag), float(np.angle(factor)))]
 
 
 def pinhole_from_pairs(camera: Pinhole, pairs: Pairs) -> list[Pinhole]:

@@ -101,6 +101,9 @@ class Registration(CameraResult):
         The mesh.
     image : ndarray, shape (height, width)
         The image.
+    doubts : tuple of str
+        What is doubtful, in sentences: features whose edge lies to one side of them all along, and the orientation of
+        the mesh if another fits better.
     """
 
     camera: Placeable
@@ -113,6 +116,7 @@ class Registration(CameraResult):
     residuals: Floats
     mesh: Mesh
     image: Image
+    doubts: tuple[str, ...] = ()
 
     def _figure(self) -> "Figure":
         from fedic.plotting.registration import draw_registration
@@ -132,6 +136,8 @@ class Registration(CameraResult):
         if len(self.residuals):
             rms = float(np.sqrt((self.residuals**2).sum(axis=1).mean()))
             lines.append(f"{len(self.residuals)} points: {rms:.3f} px rms")
+        if self.doubts:
+            lines.append("DOUBTFUL, see the warnings")
         points = (self.pixels, self.residuals)
         return draw_registration(self.mesh, self.camera, self.image, edges=edges, points=points, lines=lines)
 
@@ -139,4 +145,6 @@ class Registration(CameraResult):
         notes: dict[str, object] = {f"std_{name}": value for name, value in self.standard_deviations.items()}
         for name, found in self.features.items():
             notes[f"median_distance_{name.replace(' ', '_')}"] = found.median
+        if self.doubts:
+            notes["doubts"] = list(self.doubts)
         return notes

@@ -6,34 +6,32 @@ from dataclasses import replace
 import numpy as np
 
 from fedic._core import Mesh, Pinhole
-from fedic._internal.types import Floats, Image
+from fedic._internal.types import Floats
 from fedic.cameras.poses import with_pose
 from fedic.errors import CameraError, ImageError, OptionError, SolveError
 from fedic.registration._covariance import check_determined
-from fedic.registration._edges import Strip, across_jacobian, prepare_strip
+from fedic.registration._edges import Strip, across_jacobian
 from fedic.registration._features import BoundaryFeature
 from fedic.registration._fit import fit_edges, fit_pairs
-from fedic.registration._pairs import Pairs, Place, pinhole_from_pairs
-from fedic.registration._pose import Placeable
+from fedic.registration._pairs import Pairs, Place, front_parallel_from_pairs, pinhole_from_pairs
+from fedic.registration._pose import Placeable, free_parameters
 from fedic.registration._problem import Estimate, Group, Problem, for_all_unknowns, pair_groups, unknowns_of
-from fedic.registration._sampling import sample_feature
 from fedic.registration._search import nearby
 from fedic.registration._space import in_space
+from fedic.registration._strips import feature_strips
 from fedic.registration._target import start_on_target
 
 __all__ = ["from_features", "from_pairs", "on_plane_of_target", "read_as_placed"]
 
-_BLOCK_PX = 12.0
 _FEWEST_SEEN = 0.5
 """Fraction of the segments of a feature that must show an edge."""
 _POOREST_EDGE_PX = 3.0
 _UNSETTLED_PX = 0.5
-_LEAST_IN_IMAGE = 0.3
 _POSE = 6
 
 
 def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
-    """Fit the points, from the start or, if the whole pose is free, from the poses that fit coplanar points.
+    """Fit the points, from the start or, if the whole pose is free, from the poses that fit the points of a plane.
 
     Raises
     ------
@@ -41,10 +39,15 @@ def from_pairs(estimate: Estimate, problem: Problem) -> Estimate:
         If no start sees the points and leads to a pose that they determine; the error of the first start.
     """
     starts = [estimate]
-    if estimate.place is None and isinstance(estimate.camera, Pinhole) and len(problem.names) == _POSE:
+    if estimate.place is None and problem.names == free_parameters(estimate.camera, None):
         points = np.concatenate([pairs.points for pairs in problem.pairs])
         together = Pairs(points, np.concatenate([pairs.pixels for pairs in problem.pairs]))
-        starts = [Estimate(camera) for camera in pinhole_from_pairs(estimate.camera, together)] or starts
+        cameras: Sequence[Placeable] = (
+            pinhole_from_pairs(estimate.camera, together)
+            if isinstance(estimate.camera, Pinhole)
+            else front_parallel_from_pairs(together)
+        )
+        starts = [Estimate(camera) for camera in cameras] or starts
     fits: list[Estimate] = []
     faults: list[CameraError | SolveError] = []
     for start in starts:
@@ -142,14 +145,14 @@ def from_features(
         If the features and points do not determine the unknowns.
     """
     unknowns = unknowns_of(estimate, problem.names)
-    problem = replace(problem, strips=_strips(mesh, wanted, problem.image, estimate.camera, search))
+    problem = replace(problem, strips=feature_strips(mesh, wanted, problem.image, estimate.camera, search))
     _check_geometry(estimate, problem, unknowns)
     near = _from_placed_pairs(estimate, problem)
     if near is None:
         names = problem.names if estimate.place is None else ("rz", "tx", "ty")
         camera = nearby(problem.image, estimate.camera, problem.strips, names, search)
         near = Estimate(camera) if estimate.place is None else _back_on_plane(mesh, estimate, camera)
-    problem = replace(problem, strips=_strips(mesh, wanted, problem.image, near.camera, search))
+    problem = replace(problem, strips=feature_strips(mesh, wanted, problem.image, near.camera, search))
     estimate, groups, motion = fit_edges(near, problem)
     _check_found(problem.strips, groups, search)
     if motion > _UNSETTLED_PX:
@@ -190,25 +193,6 @@ def _back_on_plane(mesh: Mesh, estimate: Estimate, near: Placeable) -> Estimate:
     return Estimate(
         *start_on_target(near, with_pose(camera, camera.rotation @ place.turn, translation), used_points(mesh))
     )
-
-
-def _strips(
-    mesh: Mesh, wanted: Sequence[BoundaryFeature], image: Image, camera: Placeable, search: float
-) -> list[Strip]:
-    height, width = image.shape
-    strips = []
-    for feature in wanted:
-        samples = sample_feature(mesh, feature, camera, _BLOCK_PX)
-        seen = camera.project(samples.points)
-        inside = np.all((seen >= -search) & (seen <= np.array([width, height]) - 1.0 + search), axis=1)
-        if inside.mean() < _LEAST_IN_IMAGE:
-            u, v = seen.mean(axis=0)
-            raise CameraError(
-                f"camera: the given pose puts the feature {feature.name!r} around ({u:.0f}, {v:.0f}), outside the "
-                f"image of {width} x {height} px; correct it."
-            )
-        strips.append(prepare_strip(feature.name, mesh, samples, camera))
-    return strips
 
 
 def _check_geometry(estimate: Estimate, problem: Problem, unknowns: tuple[str, ...]) -> None:

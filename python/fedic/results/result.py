@@ -89,6 +89,8 @@ class Result:
         ``"given"``, or one of these followed by ``"+pyramid"``.
     attempts : tuple of Attempt
         What each start led to that ``"auto"`` tried; that of this result is the last.
+    unit : str
+        Unit of length of the mesh; empty if it was not given.
     """
 
     mesh: Mesh
@@ -107,6 +109,7 @@ class Result:
     quality: Quality
     start: str
     attempts: tuple[Attempt, ...] = ()
+    unit: str = ""
     _measurement: Measurement | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
@@ -288,7 +291,8 @@ class Result:
             For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes,
             ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``),
             ``residual`` and ``correlation`` on the cells; ``flags`` on both (zero where nothing is doubtful), and
-            ``converged`` and ``good`` as field data of the ``.vtu``.
+            ``converged`` and ``good`` as field data of the ``.vtu``, whose ``displacement`` has the unit of the mesh as
+            VTK's ``UNITS_LABEL`` if it was given.
         ``.npz``
             Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains``.
         ``.json``
@@ -324,8 +328,8 @@ class Result:
         -------
         dict
             ``converged``, ``error_left`` and ``residual_rms`` (None if not finite), ``iterations``, ``num_nodes``,
-            ``num_cells``, ``num_points``, ``outside_cells``, ``resolution``, ``start``, ``attempts`` (list of dict)
-            and ``quality``, the summary of the verdict.
+            ``num_cells``, ``num_points``, ``outside_cells``, ``resolution``, ``unit`` (None if it was not given),
+            ``start``, ``attempts`` (list of dict) and ``quality``, the summary of the verdict.
         """
         return {
             "converged": self.converged,
@@ -337,6 +341,7 @@ class Result:
             "num_points": self.num_points,
             "outside_cells": self.outside_cells.tolist(),
             "resolution": self.resolution,
+            "unit": self.unit or None,
             "start": self.start,
             "attempts": [_with_finite(attempt._asdict()) for attempt in self.attempts],
             "quality": self.quality.summary(),
@@ -368,6 +373,7 @@ class Result:
             "noise": np.array(self.quality.noise),
             "good": np.array(self.quality.is_good),
             "start": np.array(self.start),
+            "unit": np.array(self.unit),
         }
 
 
