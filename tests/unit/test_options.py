@@ -109,8 +109,9 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
             "smoothing",
             "smoothing must be zero or a positive standard deviation in pixels, got None",
         ),
-        ({"tolerance": 0}, "tolerance", "tolerance must be a positive number of pixels, got 0"),
-        ({"tolerance": True}, "tolerance", "tolerance must be a positive number of pixels, got True"),
+        ({"tolerance": 0}, "tolerance", "tolerance must be a positive number of pixels of at most 1, got 0"),
+        ({"tolerance": 2.0}, "tolerance", "tolerance must be a positive number of pixels of at most 1, got 2.0"),
+        ({"tolerance": True}, "tolerance", "tolerance must be a positive number of pixels of at most 1, got True"),
         ({"max_iterations": 2.0}, "max_iterations", "max_iterations must be an integer of at least 1, got 2.0"),
         (
             {"num_threads": 0},

@@ -1,7 +1,6 @@
 """Processes that end well: killed and interrupted runs, the process of Gmsh, forked children."""
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -156,31 +155,6 @@ def test_threads_mesh_at_the_same_time() -> None:
     for thread in threads:
         thread.join()
     np.testing.assert_array_equal(made[0].points, made[1].points)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-def test_a_forked_child_is_refused_with_the_way_out() -> None:
-    """After a parallel call the threads of the parent are missing in a forked child, which would wait for them."""
-    child = """
-        import os, signal, warnings, numpy as np, fedic
-        warnings.simplefilter("ignore")
-        image = np.random.default_rng(0).integers(0, 255, (160, 200), dtype=np.uint8)
-        mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20)
-        fedic.correlate(image, image, mesh)
-        if os.fork() == 0:
-            signal.alarm(60)  # ends a child that waits for ever
-            try:
-                fedic.correlate(image, image, mesh)
-                print("measured", flush=True)
-            except fedic.FedicError as error:
-                print("refused", error, flush=True)
-            os._exit(0)
-        os.wait()
-    """
-    with script(child) as process:
-        line = read_line(process)
-        assert line.startswith("refused")
-        assert "spawn" in line
 
 
 def _children(parent: int) -> list[int]:

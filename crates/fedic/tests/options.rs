@@ -32,8 +32,8 @@ fn options_out_of_their_range_are_refused() {
         let text = format!("regularization_length must be a positive wavelength in pixels, got {length}");
         cases.push((Options::default().regularization_length(Some(length)), text));
     }
-    for tolerance in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
-        let text = format!("tolerance must be a positive number of pixels, got {tolerance}");
+    for tolerance in [0.0, -1e-3, 1.5, 1e308, f64::NAN, f64::INFINITY] {
+        let text = format!("tolerance must be a positive number of pixels of at most 1, got {tolerance}");
         cases.push((Options::default().tolerance(tolerance), text));
     }
     let text = "max_iterations must be an integer of at least 1, got 0".to_owned();
@@ -133,7 +133,7 @@ fn a_value_of_the_wrong_type_or_range_is_refused_and_changes_nothing() {
             "zero or a positive standard deviation in pixels, got \"wide\"",
         ),
         ("smoothing", OptionValue::Number(-1.0), "zero or a positive standard deviation in pixels, got -1"),
-        ("tolerance", OptionValue::None, "a positive number of pixels, got none"),
+        ("tolerance", OptionValue::None, "a positive number of pixels of at most 1, got none"),
         ("max_iterations", OptionValue::Number(5.0), "an integer of at least 1, got 5"),
         ("max_iterations", OptionValue::Integer(-3), "an integer of at least 1, got -3"),
         ("max_iterations", OptionValue::Flag(true), "an integer of at least 1, got true"),

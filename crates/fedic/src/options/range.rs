@@ -47,7 +47,7 @@ pub(crate) const SMOOTHING: Range = Range::at_least(0.0, "zero or a positive sta
 /// Accepted standard deviations of the noise of an image.
 pub(crate) const NOISE: Range = Range::at_least(0.0, "zero or a positive standard deviation in grey levels");
 /// Accepted tolerances.
-pub(crate) const TOLERANCE: Range = Range::above(0.0, "a positive number of pixels");
+pub(crate) const TOLERANCE: Range = Range::above(0.0, "a positive number of pixels of at most 1").up_to(1.0);
 /// Accepted numbers of iterations.
 pub(crate) const MAX_ITERATIONS: Range = Range::at_least(1.0, "an integer of at least 1");
 /// Accepted numbers of threads.
