@@ -57,7 +57,7 @@ def write_abaqus(
         )
         first = 1
         for cell, nodes in cells.items():
-            file.write(f"*ELEMENT, TYPE={_PLANE if plane else _SPATIAL}{CELL_TYPES[cell].num_nodes}\n")
+            file.write(f"*ELEMENT, TYPE={_PLANE if plane else _SPATIAL}{CELL_TYPES[cell].abaqus_suffixes[0]}\n")
             labels = np.arange(first, first + len(nodes))
             np.savetxt(file, np.column_stack([labels, nodes + 1]), fmt="%d", delimiter=", ")
             first += len(nodes)
