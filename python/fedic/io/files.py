@@ -5,11 +5,11 @@ from pathlib import Path
 
 from fedic.errors import FedicError
 
-__all__ = ["file_size", "read_bytes", "read_start"]
+__all__ = ["check_file", "read_bytes", "read_start"]
 
 
-def file_size(path: Path, error: type[FedicError] = FedicError, what: str = "file") -> int:
-    """Return the size of a file, after a check that it can be read.
+def check_file(path: Path, error: type[FedicError] = FedicError, what: str = "file", limit: int | None = None) -> None:
+    """Check that a file can be read.
 
     Parameters
     ----------
@@ -19,16 +19,14 @@ def file_size(path: Path, error: type[FedicError] = FedicError, what: str = "fil
         What is raised.
     what : str
         Kind of the file in messages, such as ``"mesh file"``.
-
-    Returns
-    -------
-    int
-        The size in bytes.
+    limit : int, optional
+        Largest size, in bytes.
 
     Raises
     ------
     FedicError
-        Of the type `error`, if the file is missing, is a folder, a device or a pipe, or cannot be opened.
+        Of the type `error`, if the file is missing, is a folder, a device or a pipe, is too large, or cannot be
+        opened.
     """
     try:
         found = path.stat()
@@ -36,21 +34,22 @@ def file_size(path: Path, error: type[FedicError] = FedicError, what: str = "fil
             raise error(f"{path}: this is a folder; give the name of a file.")
         if not stat.S_ISREG(found.st_mode):
             raise error(f"{path}: this is a device or a pipe; save what it holds in a file.")
+        if limit is not None and found.st_size > limit:
+            raise error(f"{path}: the {what} has {found.st_size} bytes; one of this kind has at most {limit}.")
         path.open("rb").close()
     except FileNotFoundError:
         raise error(f"{path}: there is no such {what}; check the path.") from None
     except (OSError, ValueError) as fault:
         raise error(f"{path}: the {what} cannot be read ({getattr(fault, 'strerror', None) or fault}).") from fault
-    return found.st_size
 
 
 def read_start(path: Path, count: int, error: type[FedicError] = FedicError, what: str = "file") -> bytes:
-    """Return the first bytes of a file; parameters and errors as for `file_size`.
+    """Return the first bytes of a file; errors as for `check_file`.
 
     Parameters
     ----------
     path, error, what
-        As for `file_size`.
+        As for `check_file`.
     count : int
         Largest number of bytes.
 
@@ -59,7 +58,7 @@ def read_start(path: Path, count: int, error: type[FedicError] = FedicError, wha
     bytes
         All of a file that is not larger.
     """
-    file_size(path, error, what)
+    check_file(path, error, what)
     try:
         with path.open("rb") as file:
             return file.read(count)
@@ -73,7 +72,7 @@ def read_bytes(path: Path, limit: int, error: type[FedicError] = FedicError, wha
     Parameters
     ----------
     path, error, what
-        As for `file_size`.
+        As for `check_file`.
     limit : int
         Largest size, in bytes.
 
@@ -85,12 +84,10 @@ def read_bytes(path: Path, limit: int, error: type[FedicError] = FedicError, wha
     Raises
     ------
     FedicError
-        As by `file_size`, and if the file is larger than the limit.
+        As for `check_file`.
     """
-    size = file_size(path, error, what)
-    if size > limit:
-        raise error(f"{path}: the file has {size} bytes; one of this kind has at most {limit}.")
+    check_file(path, error, what, limit)
     content = read_start(path, limit + 1, error, what)
     if len(content) > limit:
-        raise error(f"{path}: the file has more than {limit} bytes, the most for one of this kind.")
+        raise error(f"{path}: the {what} has more than {limit} bytes, the most for one of this kind.")
     return content

@@ -8,7 +8,7 @@ import numpy as np
 from fedic._core import Mesh
 from fedic._internal.types import StrPath
 from fedic.errors import MeshError
-from fedic.io.files import file_size
+from fedic.io.files import check_file
 from fedic.io.limits import MAX_BYTES
 from fedic.io.mesh_formats import mesh_reader
 from fedic.io.mesh_parts import check_whole, chosen, without_repeated_cells
@@ -44,9 +44,7 @@ def read_mesh(path: StrPath) -> Mesh:
         chosen.
     """
     file, choice = split_choice(path)
-    size = file_size(file, MeshError, "mesh file")
-    if size > MAX_BYTES:
-        raise MeshError(f"{file}: the mesh file has {size} bytes, more than the {MAX_BYTES} that are read.")
+    check_file(file, MeshError, "mesh file", MAX_BYTES)
     try:
         contents = mesh_reader(file)(file)
     except MemoryError as error:

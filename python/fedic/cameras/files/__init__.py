@@ -9,7 +9,7 @@ from fedic.cameras.files.formats import READERS
 from fedic.cameras.files.programs.camera_toml import write_toml
 from fedic.cameras.files.programs.opencv_writer import write_opencv
 from fedic.errors import CameraError, FedicError, OptionError
-from fedic.io.files import file_size
+from fedic.io.files import check_file
 
 __all__ = ["check_writable", "read_camera", "read_file_camera", "write_camera"]
 
@@ -58,7 +58,7 @@ def read_file_camera(path: StrPath, *, number: int = 0) -> FileCamera:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise CameraError(f"{path}: {path.suffix!r} is not a camera format; give one of {', '.join(READERS)}.")
-    file_size(path, CameraError, "camera file")
+    check_file(path, CameraError, "camera file")
     return reader(path, number)
 
 

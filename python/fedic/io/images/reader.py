@@ -6,7 +6,7 @@ import numpy as np
 
 from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
-from fedic.io.files import file_size
+from fedic.io.files import check_file
 from fedic.io.image_origins import remember_file
 from fedic.io.images._faults import damaged, undecodable
 from fedic.io.images.page_names import split_page
@@ -45,7 +45,7 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
     """
     file, page = split_page(path)
     whole = Path(path)
-    file_size(file, ImageError, "image file")
+    check_file(file, ImageError, "image file")
     try:
         image = _read(file, page, mapped=mapped)
     except ImageError as error:
