@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic.io._mesh_file import MeshFile
-from fedic.io.abaqus import read_abaqus
+from fedic.io.mesh_formats.abaqus import read_abaqus
 
 __all__ = ["PIN", "PLATE", "SOLID", "assembly", "contents", "instance", "surface_points"]
 

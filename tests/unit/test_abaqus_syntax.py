@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fedic
-from fedic.io import _includes
-from fedic.io._numbers import real
+from fedic.io.mesh_formats import _includes
+from fedic.io.mesh_formats._numbers import real
 
 NODES = "1, 0., 0., 0.\n2, 10., 0., 0.\n3, 10., 10., 0.\n4, 0., 10., 0.\n5, 20., 0., 0.\n6, 20., 10., 0.\n"
 ELEMENTS = "1, 1, 2, 3, 4\n2, 2, 5, 6, 3\n"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.io.ansys import read_ansys
+from fedic.io.mesh_formats.ansys import read_ansys
 
 POINTS = [[30, 30], [170, 30], [170, 130], [30, 130], [100, 30], [100, 130]]
 QUADS = [[1, 5, 6, 4], [5, 2, 3, 6]]

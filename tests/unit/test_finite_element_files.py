@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from fedic.io._mesh_file import MeshFile
-from fedic.io._programs import program_reader
-from fedic.io.abaqus import read_abaqus
-from fedic.io.ansys import read_ansys
-from fedic.io.nastran import read_nastran
+from fedic.io.mesh_formats import mesh_reader
+from fedic.io.mesh_formats.abaqus import read_abaqus
+from fedic.io.mesh_formats.ansys import read_ansys
+from fedic.io.mesh_formats.nastran import read_nastran
+from fedic.io.mesh_formats.vtk import read_xml_vtk
 from scenes.finite_element_files import FILES, FiniteElementFile
 
 
@@ -37,14 +38,14 @@ def test_each_file_is_read_or_refused_as_the_table_says(
         ("a.dat", "GRID*   1\n", read_nastran),
         ("a.dat", "/com, a title\n*HEADING\n", read_ansys),
         ("a.dat", "*PART, NAME=P\n", read_abaqus),
-        ("a.dat", 'TITLE = "a"\nVARIABLES = "X", "Y"\nZONE T="N, 1"\n', None),
-        ("a.dat", "\0\1\2\3", None),
+        ("a.dat", 'TITLE = "a"\nVARIABLES = "X", "Y"\nZONE T="N, 1"\n', mesh_reader(Path("a.tec"))),
+        ("a.dat", "\0\1\2\3", mesh_reader(Path("a.tec"))),
         ("a.CDB", "", read_ansys),
-        ("a.vtu", "*NODE\n", None),
+        ("a.vtu", "*NODE\n", read_xml_vtk),
     ],
 )
 def test_the_program_is_told_by_the_contents(
-    tmp_path: Path, name: str, text: str, reader: Callable[[Path], MeshFile] | None
+    tmp_path: Path, name: str, text: str, reader: Callable[[Path], MeshFile]
 ) -> None:
     (tmp_path / name).write_text(text)
-    assert program_reader(tmp_path / name) is reader
+    assert mesh_reader(tmp_path / name) is reader

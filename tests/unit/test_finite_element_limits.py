@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.io.abaqus import container, reader
+from fedic.io.mesh_formats.abaqus import container, reader
 
 NODES = "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 1., 1.\n4, 0., 1.\n"
 SQUARE = f"{NODES}*ELEMENT, TYPE=CPS4, ELSET=S0\n1, 1, 2, 3, 4\n"

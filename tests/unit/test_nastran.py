@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import fedic
+from fedic.io.mesh_formats import mesh_reader
 from fedic.io.mesh_parts import SOLIDS, faces_of
 
 POINTS = [[0, 0], [10, 0], [10, 10], [0, 10], [20, 0], [20, 10]]
@@ -132,12 +133,8 @@ def test_middle_nodes_of_solids_lie_on_their_edges(tmp_path: Path, gmsh: Any) ->
             gmsh.write(name)
     finally:
         gmsh.finalize()
-    from fedic.io._programs import program_reader
-
     for name in names:
-        reader = program_reader(Path(name))
-        assert reader is not None
-        file = reader(Path(name))
+        file = mesh_reader(Path(name))(Path(name))
         solids = {cell: nodes for cell, nodes in file.blocks if cell in SOLIDS}
         assert set(solids) == {"tetra10", "wedge15", "hexahedron20"}
         for cell, nodes in solids.items():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.io.unv import read_unv
+from fedic.io.mesh_formats.unv import read_unv
 
 POINTS = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 0, 0], [2, 1, 0], [1, 2, 0], [0, 1, 0]]
 

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from fedic._core import Mesh, MeshSet
 from fedic._internal.types import StrPath
 from fedic.errors import FedicError, MeshError
-from fedic.io._meshio import SET_PREFIX, membership, write_with_meshio
-from fedic.io._vtu import write_vtu
+from fedic.io.mesh_formats import mesh_writer
 from fedic.io.meshes import read_mesh
 
 __all__ = ["write_mesh"]
@@ -49,11 +48,13 @@ def write_mesh(
     path = Path(path)
     mesh = Mesh(points, cells, sets)
     points = np.ascontiguousarray(np.pad(points, ((0, 0), (0, 3 - points.shape[1]))))
+    node_sets = {name: each.nodes for name, each in sets.items()}
+    cell_sets = {name: each.cells for name, each in sets.items() if len(each.cells)}
     try:
         # Some formats write several files that name each other: they are written under their final names.
         with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
             temporary = Path(folder, path.name)
-            _write(temporary, points, cells, sets)
+            mesh_writer(path)(temporary, points, cells, node_sets, cell_sets)
             _check(temporary, path, mesh)
             for written in Path(folder).iterdir():
                 written.replace(path.parent / written.name)
@@ -63,23 +64,6 @@ def write_mesh(
         raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.") from error
     except OSError as error:
         raise FedicError(f"{path}: the file cannot be written ({error.strerror}).") from error
-
-
-def _write(
-    path: Path,
-    points: NDArray[np.float64],
-    cells: Mapping[str, NDArray[np.int64]],
-    sets: Mapping[str, MeshSet],
-) -> None:
-    node_sets = {name: each.nodes for name, each in sets.items()}
-    cell_sets = {name: each.cells for name, each in sets.items() if len(each.cells)}
-    if path.suffix.lower() == ".vtu":
-        num_cells = sum(len(nodes) for nodes in cells.values())
-        point_data = {SET_PREFIX + name: membership(rows, len(points)) for name, rows in node_sets.items()}
-        cell_data = {SET_PREFIX + name: membership(rows, num_cells) for name, rows in cell_sets.items()}
-        write_vtu(path, points, dict(cells), point_data, cell_data, {})
-    else:
-        write_with_meshio(path, points, cells, node_sets, cell_sets)
 
 
 def _check(written: Path, path: Path, mesh: Mesh) -> None:

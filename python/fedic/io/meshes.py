@@ -1,8 +1,6 @@
 """Mesh files."""
 
 import os
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,30 +8,12 @@ import numpy as np
 from fedic._core import Mesh
 from fedic._internal.types import StrPath
 from fedic.errors import MeshError
-from fedic.io._mesh_file import MeshFile
-from fedic.io._meshio import FORMATS
-from fedic.io._programs import PROGRAM_SUFFIXES, program_reader
-from fedic.io._reader_process import read_in_process
+from fedic.io.files import check_file
+from fedic.io.limits import MAX_BYTES
+from fedic.io.mesh_formats import mesh_reader
 from fedic.io.mesh_parts import check_whole, chosen, without_repeated_cells
-from fedic.io.msh import read_msh
-from fedic.io.vtk import read_legacy_vtk, read_xml_vtk
 
 __all__ = ["read_mesh", "split_choice"]
-
-_READERS: dict[str, Callable[[Path], MeshFile]] = {
-    **dict.fromkeys(FORMATS, partial(read_in_process, "meshio")),
-    **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), partial(read_in_process, "exodus")),
-    **dict.fromkeys((".xdmf", ".xmf"), partial(read_in_process, "xdmf")),
-    ".med": partial(read_in_process, "med"),
-    ".msh": read_msh,
-    ".vtk": read_legacy_vtk,
-    ".vtp": read_xml_vtk,
-    ".vtu": read_xml_vtk,
-}
-"""Reader of each suffix; files of finite element programs are told by `program_reader`."""
-
-MAX_BYTES = 2**32
-"""Largest mesh file that is read: 4 GiB, some 50 million cells."""
 
 
 def read_mesh(path: StrPath) -> Mesh:
@@ -64,9 +44,9 @@ def read_mesh(path: StrPath) -> Mesh:
         chosen.
     """
     file, choice = split_choice(path)
-    read = _reader(file)
+    check_file(file, MeshError, "mesh file", MAX_BYTES)
     try:
-        contents = read(file)
+        contents = mesh_reader(file)(file)
     except MemoryError as error:
         raise MeshError(f"{file}: there is not enough memory to read the mesh file.") from error
     contents.check_nodes(file)
@@ -83,26 +63,6 @@ def read_mesh(path: StrPath) -> Mesh:
         return Mesh(np.ascontiguousarray(points, dtype=np.float64), cells, contents.sets())
     except MeshError as error:
         raise MeshError(f"{file}: {error}", error.cells, error.nodes) from error
-
-
-def _reader(file: Path) -> Callable[[Path], MeshFile]:
-    """Return the reader of a file, which must be there, be regular and not be too large."""
-    if not _is_file(file):
-        raise MeshError(f"{file}: there is no such mesh file, or it is no regular file; check the path.")
-    try:
-        size = file.stat().st_size
-        file.open("rb").close()
-    except OSError as error:
-        raise MeshError(f"{file}: the mesh file cannot be read ({error.strerror}).") from error
-    if size > MAX_BYTES:
-        raise MeshError(f"{file}: the mesh file has {size} bytes, more than the {MAX_BYTES} that are read.")
-    read = program_reader(file) or _READERS.get(file.suffix.lower())
-    if read is None:
-        raise MeshError(
-            f"{file}: the mesh file cannot be read (the suffix {file.suffix!r} names no format that fedic "
-            f"reads, which are {', '.join(sorted({*_READERS, *PROGRAM_SUFFIXES}))})."
-        )
-    return read
 
 
 def split_choice(path: StrPath) -> tuple[Path, str | None]:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from fedic._core import Mesh, __version__
 from fedic._internal.types import Floats
 from fedic.errors import OptionError
-from fedic.io._vtu import write_vtu
 from fedic.io.atomic import atomic_path, write_json
+from fedic.io.mesh_formats.vtk import write_vtu
 
 __all__ = ["write_result"]
 

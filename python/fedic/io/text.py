@@ -1,12 +1,12 @@
-"""Text of files of any program: byte order marks, encodings, a limit of the size."""
+"""Text of files of any program: byte order marks and encodings."""
 
 import codecs
-import stat
 from pathlib import Path
 
 from fedic.errors import FedicError
+from fedic.io.files import read_bytes
 
-__all__ = ["read_bytes", "read_text"]
+__all__ = ["decoded", "read_text"]
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8"),
@@ -16,13 +16,11 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
 """Byte order marks; that of UTF-32 begins with that of UTF-16."""
+_HEAD = 1024
 
 
 def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> str:
     """Read a text file.
-
-    The encoding is that of the byte order mark, which is left out; without one it is UTF-8, UTF-16 if every second byte
-    is zero, or else Latin-1, in which every byte is a character.
 
     Parameters
     ----------
@@ -36,7 +34,7 @@ def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> s
     Returns
     -------
     str
-        The text.
+        The text, as by `decoded`.
 
     Raises
     ------
@@ -45,7 +43,7 @@ def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> s
     """
     content = read_bytes(path, limit, error)
     try:
-        text = _decoded(content)
+        text = decoded(content)
     except UnicodeDecodeError as fault:
         raise error(f"{path}: the file cannot be read as text: it is not {fault.encoding} ({fault.reason}).") from None
     if "\0" in text:
@@ -53,32 +51,35 @@ def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> s
     return text
 
 
-def read_bytes(path: Path, limit: int, error: type[FedicError] = FedicError) -> bytes:
-    """Read a file; parameters and errors as for `read_text`."""
-    try:
-        found = path.stat()
-        if not stat.S_ISREG(found.st_mode):
-            raise error(f"{path}: this is a folder or a device, not a file.")
-        if found.st_size > limit:
-            raise error(f"{path}: the file has {found.st_size} bytes; one of this kind has at most {limit}.")
-        with path.open("rb") as file:
-            content = file.read(limit + 1)
-    except FileNotFoundError:
-        raise error(f"{path}: there is no such file; check the path.") from None
-    except (OSError, ValueError) as fault:
-        raise error(f"{path}: the file cannot be read ({getattr(fault, 'strerror', None) or fault}).") from fault
-    if len(content) > limit:
-        raise error(f"{path}: the file has more than {limit} bytes, the most for one of this kind.")
-    return content
+def decoded(content: bytes, faults: str = "strict") -> str:
+    """Decode text.
 
+    The encoding is that of the byte order mark, which is left out; without one it is UTF-8, UTF-16 if most bytes in odd
+    or in even places are zero and no others, or else Latin-1, in which every byte is a character.
 
-def _decoded(content: bytes) -> str:
+    Parameters
+    ----------
+    content : bytes
+        The text.
+    faults : str
+        What is done where UTF-16, or what the byte order mark says, is violated: ``"strict"`` or ``"replace"``.
+
+    Returns
+    -------
+    str
+        The text; it has zeros if it is none.
+
+    Raises
+    ------
+    UnicodeDecodeError
+        If the content violates its encoding.
+    """
     for mark, encoding in _MARKS:
         if content.startswith(mark):
-            return content[len(mark) :].decode(encoding)
-    zeros = content[:1024].count(0)
-    if zeros and zeros >= 0.4 * len(content[:1024]):
-        return content.decode("utf-16-le" if content[1:2] == b"\0" else "utf-16-be")
+            return content[len(mark) :].decode(encoding, faults)
+    even, odd = (content[start:_HEAD:2].count(0) for start in (0, 1))
+    if max(even, odd) > min(len(content), _HEAD) / 4 and not min(even, odd):
+        return content.decode("utf-16-be" if even else "utf-16-le", faults)
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:

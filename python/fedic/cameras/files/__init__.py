@@ -9,6 +9,7 @@ from fedic.cameras.files.formats import READERS
 from fedic.cameras.files.programs.camera_toml import write_toml
 from fedic.cameras.files.programs.opencv_writer import write_opencv
 from fedic.errors import CameraError, FedicError, OptionError
+from fedic.io.files import check_file
 
 __all__ = ["check_writable", "read_camera", "read_file_camera", "write_camera"]
 
@@ -57,8 +58,7 @@ def read_file_camera(path: StrPath, *, number: int = 0) -> FileCamera:
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise CameraError(f"{path}: {path.suffix!r} is not a camera format; give one of {', '.join(READERS)}.")
-    if not path.is_file():
-        raise CameraError(f"{path}: there is no such camera file; check the path.")
+    check_file(path, CameraError, "camera file")
     return reader(path, number)
 
 

@@ -1,10 +1,9 @@
 """Errors of image files, without the name of the file, and the limit of their size."""
 
 from fedic.errors import ImageError
+from fedic.io.limits import MAX_BYTES
 
 __all__ = ["check_size", "damaged", "undecodable"]
-
-_MAX_BYTES = 1 << 32
 
 
 def damaged(what: str = "") -> ImageError:
@@ -60,8 +59,8 @@ def check_size(width: int, height: int, bytes_per_pixel: int) -> None:
     """
     if width <= 0 or height <= 0:
         raise damaged(f"its header states a size of {width} x {height} px")
-    if width * height * bytes_per_pixel > _MAX_BYTES:
+    if width * height * bytes_per_pixel > MAX_BYTES:
         raise ImageError(
-            f"the image has {width} x {height} px of {bytes_per_pixel} bytes, more than the {_MAX_BYTES >> 30} GiB "
+            f"the image has {width} x {height} px of {bytes_per_pixel} bytes, more than the {MAX_BYTES >> 30} GiB "
             "that fedic decodes; save the part of interest, or an uncompressed TIFF."
         )

@@ -1,12 +1,12 @@
 """Reading an image file of any format."""
 
-import stat
 from pathlib import Path
 
 import numpy as np
 
 from fedic._internal.types import Image, StrPath
 from fedic.errors import ImageError
+from fedic.io.files import check_file
 from fedic.io.image_origins import remember_file
 from fedic.io.images._faults import damaged, undecodable
 from fedic.io.images.page_names import split_page
@@ -45,12 +45,11 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
     """
     file, page = split_page(path)
     whole = Path(path)
+    check_file(file, ImageError, "image file")
     try:
         image = _read(file, page, mapped=mapped)
     except ImageError as error:
         raise ImageError(f"{whole}: {error}") from error.__cause__
-    except FileNotFoundError:
-        raise ImageError(f"{whole}: there is no such image file; check the path.") from None
     except OSError as error:
         raise ImageError(f"{whole}: the image file cannot be read ({error.strerror or error}).") from error
     except MemoryError as error:
@@ -66,11 +65,6 @@ def read_image(path: StrPath, *, mapped: bool = False) -> Image:
 def _read(path: Path, page: int | None, *, mapped: bool) -> Image:
     from fedic.io.images._formats import HEADER_BYTES, recognise  # not needed by `import fedic`
 
-    mode = path.stat().st_mode
-    if stat.S_ISDIR(mode):
-        raise ImageError("this is a folder; give an image file, or a pattern such as 'folder/*.tif'.")
-    if not stat.S_ISREG(mode):
-        raise ImageError("this is a device or a pipe; save the image in a file.")
     with path.open("rb") as file:
         header = file.read(HEADER_BYTES)
     if not header:

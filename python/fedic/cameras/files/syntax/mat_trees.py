@@ -9,7 +9,7 @@ import numpy as np
 from fedic.cameras.files.syntax.mat5 import LARGEST_ARRAY, mat5_tree
 from fedic.cameras.files.syntax.tree import Tree
 from fedic.errors import CameraError
-from fedic.io.text import read_bytes
+from fedic.io.files import read_bytes
 
 __all__ = ["read_mat"]
 

@@ -10,7 +10,7 @@ from numpy.lib import format as npy
 
 from fedic.cameras.files.syntax.tree import Tree
 from fedic.errors import CameraError
-from fedic.io.text import read_bytes
+from fedic.io.files import read_bytes
 
 __all__ = ["read_npz"]
 

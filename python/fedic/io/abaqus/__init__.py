@@ -1,5 +1,0 @@
-"""Mesh files of Abaqus."""
-
-from fedic.io.abaqus.reader import read_abaqus
-
-__all__ = ["read_abaqus"]

@@ -1,7 +1,0 @@
-"""Mesh files on HDF5 and netCDF: MED, XDMF and Exodus."""
-
-from fedic.io.hdf._exodus import read_exodus
-from fedic.io.hdf._med import read_med
-from fedic.io.hdf._xdmf import read_xdmf
-
-__all__ = ["read_exodus", "read_med", "read_xdmf"]
