@@ -41,7 +41,8 @@ def _of_tables(*modules: str) -> Callable[[Path], list[Path]]:
         if str(_TOOLS) not in sys.path:
             sys.path.insert(0, str(_TOOLS))
         for module in modules:
-            import_module(f"formats.{module}").rows(folder)
+            (folder / module).mkdir()
+            import_module(f"formats.{module}").rows(folder / module)
         files = (path for path in folder.rglob("*") if path.is_file())
         return sorted(path for path in files if 0 < path.stat().st_size <= _LARGEST_SEED)
 

@@ -54,6 +54,26 @@ def test_a_forked_child_measures_as_its_parent_does(before: str) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+@pytest.mark.parametrize(("before", "expected"), [("render()", "refused"), ("work()", "rendered")])
+def test_a_forked_child_renders_or_refuses_at_once(before: str, expected: str) -> None:
+    script = f"""
+        def render():
+            return fedic.synthetic.render(fedic.synthetic.Speckle(3.0), fedic.ImageFrame(), (200, 200))
+        {before}
+        if os.fork() == 0:
+            try:
+                render()
+                print("rendered", flush=True)
+            except fedic.FedicError as error:
+                print("refused" if "spawn" in str(error) else error, flush=True)
+            os._exit(0)
+        assert os.wait()[1] == 0
+    """
+    ended = run(script)
+    assert ended.stdout == f"{expected}\n", ended.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 def test_pools_of_forked_processes_measure() -> None:
     script = """
         import multiprocessing

@@ -10,6 +10,7 @@ mod lens;
 mod mesh;
 mod mesh_set;
 mod options;
+mod rectangle;
 mod self_calibration;
 mod strains;
 mod synthetic;
@@ -34,11 +35,13 @@ mod _core {
     #[pymodule_export]
     use crate::lens::{Distortion, LensModel, spline_basis};
     #[pymodule_export]
-    use crate::mesh::{Mesh, rectangle_mesh};
+    use crate::mesh::Mesh;
     #[pymodule_export]
     use crate::mesh_set::MeshSet;
     #[pymodule_export]
     use crate::options::{PyOptionInfo, check_correlation_options};
+    #[pymodule_export]
+    use crate::rectangle::rectangle_mesh;
     #[pymodule_export]
     use crate::self_calibration::{SelfCalibration, calibrate_on_specimen};
     #[pymodule_export]

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyTuple};
 
 use crate::arrays::{self, indices, matrix, rows, to_array};
-use crate::errors::{IntoPyErr, argument_error, mesh_error, option_error};
+use crate::errors::{IntoPyErr, argument_error, mesh_error};
 use crate::mesh_set;
 use crate::strains::{self, StrainQuery};
 use crate::worker::run;
@@ -39,7 +39,7 @@ const CHUNK: usize = 1 << 16;
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Mesh {
     pub(crate) inner: fedic::Mesh,
-    dimension: usize,
+    pub(crate) dimension: usize,
 }
 
 /// The mesh of an argument.
@@ -474,32 +474,4 @@ impl Mesh {
 fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, PyArray2<i64>>> {
     let height = numbers.len() / width;
     PyArray::from_vec(py, numbers).reshape([height, width])
-}
-
-/// Regular mesh of a rectangle.
-///
-/// Parameters
-/// ----------
-/// bounds : (x0, y0, x1, y1)
-///     Corners, in the mesh's unit.
-/// size : float
-///     Length of the cells' edges, in the mesh's unit; it is adjusted so that the cells fill the rectangle exactly.
-/// cell : str
-///     Type of the cells, a name of `CELL_TYPES`; triangles halve the squares along alternating diagonals.
-///
-/// Returns
-/// -------
-/// Mesh
-///
-/// Raises
-/// ------
-/// OptionError
-///     If the bounds are empty or not finite, the size is not positive, or the cell type is unknown.
-#[pyfunction]
-#[pyo3(signature = (bounds, size, cell="quad"))]
-pub(crate) fn rectangle_mesh(py: Python<'_>, bounds: [f64; 4], size: f64, cell: &str) -> PyResult<Mesh> {
-    let cell_type = CellType::from_str(cell).map_err(|error| option_error(error.to_string(), "cell"))?;
-    let made = run(py, None, |_| Ok(fedic::rectangle_mesh(bounds, size, cell_type)))?;
-    let inner = made.map_err(|error| option_error(error.to_string(), "bounds"))?;
-    Ok(Mesh { inner, dimension: 2 })
 }

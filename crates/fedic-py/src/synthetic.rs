@@ -1,7 +1,8 @@
 //! Textures and rendering.
 
 use std::error::Error;
-use std::sync::Mutex;
+use std::process;
+use std::sync::{Mutex, OnceLock};
 
 use fedic_synthetic::{DisplacementField, Plane, Render, SyntheticError, Texture};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -10,8 +11,12 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{self, rows, to_array};
 use crate::camera::any_camera;
-use crate::errors::{IntoPyErr, argument_error, option_error};
+use crate::errors::{IntoPyErr, argument_error, internal_error, option_error};
 use crate::worker::run;
+
+/// The process that has started the threads of the rendering. Functions of the caller run on its own thread, and so the rendering
+/// cannot move to the shared threads as a whole.
+static RENDERING_PROCESS: OnceLock<u32> = OnceLock::new();
 
 /// A continuous speckle pattern of the plane, defined at any point.
 ///
@@ -163,6 +168,8 @@ impl Texture for PythonTexture<'_> {
 ///     If an argument is out of its range, or the displacement cannot be inverted.
 /// CameraError
 ///     If a pixel sees no point of the plane.
+/// FedicError
+///     In a process forked from one that has rendered.
 #[pyfunction]
 #[pyo3(signature = (texture, camera, shape, displacement=None, z=0.0, supersampling=3, progress=None))]
 #[allow(clippy::too_many_arguments)]
@@ -176,27 +183,37 @@ pub(crate) fn render_plane<'py>(
     supersampling: u32,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    if *RENDERING_PROCESS.get_or_init(process::id) != process::id() {
+        return Err(internal_error(
+            "images cannot be rendered in a process forked from one that has rendered, whose threads it lacks; use \
+             multiprocessing.get_context(\"spawn\")"
+                .to_owned(),
+        ));
+    }
     let camera = any_camera(camera)?;
     let [height, width] = shape;
     let displacement = displacement.map(PlaneDisplacement);
     let speckle = texture.cast::<Speckle>().ok().map(|speckle| speckle.get().0);
-    let (other, failed, interrupted) = (texture.clone().unbind(), Mutex::new(None), Mutex::new(None));
-    let plane = Plane::horizontal(z).map_err(IntoPyErr::into_py_err)?;
-    let rendered = run(py, None, |monitor| {
-        let report = |fraction: f64| {
-            let call = |progress: &Py<PyAny>| Python::attach(|py| progress.call1(py, (fraction,)).map(|_| ()));
-            let outcome = progress.as_ref().map_or(Ok(()), call);
-            let goes_on = outcome.map_err(|error| interrupted.lock().map(|mut slot| *slot = Some(error))).is_ok();
-            goes_on && !monitor.cancelled()
-        };
+    let (other, failed) = (texture.clone().unbind(), Mutex::new(None));
+    let interrupted = Mutex::new(None);
+    // Functions of the caller run on its own thread; only the loops over points use others.
+    let report = |fraction: f64| {
+        let outcome = Python::attach(|py| {
+            py.check_signals()?;
+            progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (fraction,)).map(|_| ()))
+        });
+        outcome.map_err(|error| interrupted.lock().map(|mut slot| *slot = Some(error))).is_ok()
+    };
+    let rendered = py.detach(|| {
         let render = Render::new(&*camera, [width, height]).with_samples(supersampling).with_progress(&report);
+        let plane = Plane::horizontal(z)?;
         let other = PythonTexture { texture: &other, error: &failed };
         let texture: &dyn Texture = speckle.as_ref().map_or(&other, |speckle| speckle);
-        Ok(match &displacement {
+        match &displacement {
             None => render.plane(&plane, texture),
             Some(displacement) => render.displaced_plane(&plane, texture, displacement),
-        })
-    })?;
+        }
+    });
     if let Ok(Some(error)) = failed.into_inner() {
         return Err(error);
     }

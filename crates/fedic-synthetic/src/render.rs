@@ -25,7 +25,7 @@ pub struct Render<'a> {
     camera: &'a dyn Camera,
     size: [usize; 2],
     samples: u32,
-    progress: &'a (dyn Fn(f64) -> bool + Sync),
+    progress: &'a dyn Fn(f64) -> bool,
 }
 
 impl<'a> Render<'a> {
@@ -44,7 +44,7 @@ impl<'a> Render<'a> {
 
     /// Calls `progress` now and then with the fraction done, on the calling thread; the rendering stops if it returns false.
     #[must_use]
-    pub fn with_progress(mut self, progress: &'a (dyn Fn(f64) -> bool + Sync)) -> Self {
+    pub fn with_progress(mut self, progress: &'a dyn Fn(f64) -> bool) -> Self {
         self.progress = progress;
         self
     }

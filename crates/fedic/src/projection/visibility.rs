@@ -2,11 +2,11 @@
 
 use fedic_camera::Camera;
 use fedic_mesh::{Mesh, jacobian, map};
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Matrix2x3, Matrix3x2, RowVector3, Vector3};
 
 use crate::Error;
 
-/// Cosine of the largest angle between two directions that count as the same: 84 degrees.
+/// Smallest part of the motion along the worse direction that must be seen, relative to the mean of both.
 const GRAZING: f64 = 0.1;
 
 /// Checks that `camera` sees every cell of `mesh` from the same side, and the motion of the mesh along `x` and `y`.
@@ -29,23 +29,27 @@ pub(crate) fn check_visibility(mesh: &Mesh, camera: &dyn Camera) -> Result<(), E
         let normal = along_xi.cross(&along_eta);
         let point = map(cell, &nodes, centre);
         let (pixel, [du, dv]) = camera.project_with_jacobian(point);
-        // The null vector of the Jacobian points away from the camera: u runs to the right and v down.
-        let view = Vector3::from(du).cross(&Vector3::from(dv)).try_normalize(0.0);
-        let Some(view) = view.filter(|_| pixel[0].is_finite()) else {
+        let projection = Matrix2x3::from_rows(&[RowVector3::from(du), RowVector3::from(dv)]);
+        let tangents = Matrix3x2::from_columns(&[along_xi.normalize(), normal.cross(&along_xi).normalize()]);
+        let along_surface = conformity(&(projection * tangents));
+        let along_axes = conformity(&projection.fixed_columns::<2>(0).into_owned());
+        if !(pixel[0].is_finite() && along_surface.is_finite() && along_axes.is_finite()) {
             facing.push(0.0);
             continue;
-        };
-        let towards = normal.dot(&view);
-        facing.push(towards);
-        sums.area += normal.norm();
+        }
+        let area = normal.norm();
+        facing.push(along_surface);
+        sums.area += area;
         sums.level += normal.z.abs();
-        sums.seen += towards.abs();
-        sums.signed += towards;
-        sums.along_z += normal.norm() * view.z.abs();
-        sums.depth += towards * view.dot(&Vector3::from(point));
+        sums.seen += area * along_surface.abs();
+        sums.signed += area * along_surface;
+        sums.along_axes += area * along_axes.abs();
+        // The null vector of the Jacobian points away from the camera: u runs to the right and v down.
+        let view = projection.row(0).cross(&projection.row(1)).normalize();
+        sums.depth += area * along_surface * view.transpose().dot(&Vector3::from(point));
     }
     let grazes = |sum: f64| sum < GRAZING * sums.area;
-    if grazes(sums.level) || grazes(sums.seen) || grazes(sums.along_z) {
+    if grazes(sums.level) || grazes(sums.seen) || grazes(sums.along_axes) {
         return Err(Error::EdgeOn { vertical: grazes(sums.level) });
     }
     // Most of the surface is seen from its front; of a closed one, the nearer half.
@@ -54,18 +58,24 @@ pub(crate) fn check_visibility(mesh: &Mesh, camera: &dyn Camera) -> Result<(), E
     if cells.is_empty() { Ok(()) } else { Err(Error::HiddenCells { cells, num_cells: mesh.num_cells() }) }
 }
 
+/// How nearly a linear map of the plane keeps all directions: 1 if it keeps angles, -1 if it also mirrors, 0 if it maps the plane to
+/// a line.
+fn conformity(map: &Matrix2<f64>) -> f64 {
+    2.0 * map.determinant() / map.norm_squared()
+}
+
 /// Sums over the cells, each weighted by its area.
 #[derive(Default)]
 struct Sums {
     area: f64,
     /// Parts of the normals along `z`.
     level: f64,
-    /// Parts of the normals along the line of sight.
+    /// How well motions along the surface are seen.
     seen: f64,
-    /// The same, with their signs.
+    /// The same, with the sign of the side that is seen.
     signed: f64,
-    /// Parts of the line of sight along `z`.
-    along_z: f64,
+    /// How well motions along `x` and `y` are seen.
+    along_axes: f64,
     /// Distances along the line of sight, with the signs of `signed`.
     depth: f64,
 }
@@ -97,6 +107,16 @@ mod tests {
         for mesh in [strip(&[[0.0, 0.0], [50.0, 0.0]]), strip(&[[0.0, 0.0], [50.0, 60.0]]), arc(1.4)] {
             assert_eq!(check_visibility(&mesh, &ImageFrame), Ok(()));
         }
+    }
+
+    #[test]
+    fn cameras_with_their_centre_close_to_the_surface_pass() {
+        // A map of the plane to the image, written as a camera of focal length one.
+        let rotation = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+        let camera = Pinhole::new([1.0; 2], [0.0; 2], rotation, [0.08, 0.09, 1e-4]).unwrap();
+        let points = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.01], [0.0, 0.01]].map(|[x, y]| [x, y, 0.0]);
+        let mesh = Mesh::new(points.to_vec(), &[(CellType::Quad, vec![0, 1, 2, 3])]).unwrap();
+        assert_eq!(check_visibility(&mesh, &camera), Ok(()));
     }
 
     #[test]
