@@ -94,6 +94,8 @@ def _reader(file: Path) -> Callable[[Path], MeshFile]:
         file.open("rb").close()
     except OSError as error:
         raise MeshError(f"{file}: the mesh file cannot be read ({error.strerror}).") from error
+    if not size:
+        raise MeshError(f"{file}: the mesh file is empty (0 bytes); export it again.")
     if size > MAX_BYTES:
         raise MeshError(f"{file}: the mesh file has {size} bytes, more than the {MAX_BYTES} that are read.")
     read = program_reader(file) or _READERS.get(file.suffix.lower())
