@@ -44,3 +44,14 @@ def test_surface_cells_that_are_not_there_are_not_listed(tmp_path: Path) -> None
     path.write_text("OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n")
     with pytest.raises(fedic.MeshError, match="cells found: none"):
         fedic.read_mesh(path)
+
+
+def test_a_group_of_gmsh_without_elements_is_not_said_to_be_missing(tmp_path: Path) -> None:
+    path = tmp_path / "plate.msh"
+    path.write_text(
+        '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 "PLATE"\n$EndPhysicalNames\n'
+        "$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n"
+    )
+    assert fedic.read_mesh(path).sets == {}
+    with pytest.raises(fedic.MeshError, match="'PLATE' chooses no surface cell"):
+        fedic.read_mesh(f"{path}#PLATE")
