@@ -55,3 +55,17 @@ def test_a_group_of_gmsh_without_elements_is_not_said_to_be_missing(tmp_path: Pa
     assert fedic.read_mesh(path).sets == {}
     with pytest.raises(fedic.MeshError, match="'PLATE' chooses no surface cell"):
         fedic.read_mesh(f"{path}#PLATE")
+
+
+@pytest.mark.parametrize("name", ["plate.stl", "plate.xdmf"])
+def test_a_folder_that_cannot_be_listed_is_no_obstacle(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    mesh = fedic.Mesh([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)], {"triangle": [(0, 1, 2)]}, {})
+    mesh.write(tmp_path / name)
+
+    def refuse(_: Path) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    assert fedic.read_mesh(tmp_path / name).num_cells == 1
