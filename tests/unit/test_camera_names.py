@@ -80,6 +80,8 @@ def test_both_of_two_cameras_are_read(tmp_path: Path, matrices: tuple[str, str],
         {"radial_distortion": LENS[:2], "tangential_distortion": LENS[2:4]},
         {"k1": -0.25, "k2": 0.11},
         {"p1": 0.001},
+        {"k_1": -0.25},
+        {"Kappa_1": -0.25},
     ],
 )
 def test_coefficients_under_an_unknown_name_are_refused(tmp_path: Path, entries: dict[str, object]) -> None:

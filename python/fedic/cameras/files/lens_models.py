@@ -14,7 +14,7 @@ _BROWN = (
 )  # fmt: skip
 """Models whose coefficients are k1 k2 p1 p2 k3 of Brown's, or that have none; k4 to k6 of the rational are checked."""
 _COEFFICIENTS = re.compile(r"dist|coef|lens|kc|^d.?$", re.IGNORECASE)
-_ONE_COEFFICIENT = re.compile(r"[kp][1-6]", re.IGNORECASE)
+_ONE_COEFFICIENT = re.compile(r"([kp]|kappa)[_ ]?[1-6]", re.IGNORECASE)
 _PINHOLE = ("pinhole", "perspective", "frame", "planar")
 
 
