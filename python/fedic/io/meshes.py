@@ -45,6 +45,8 @@ def read_mesh(path: StrPath) -> Mesh:
     """
     file, choice = split_choice(path)
     check_file(file, MeshError, "mesh file", MAX_BYTES)
+    if not file.stat().st_size:
+        raise MeshError(f"{file}: the mesh file is empty (0 bytes); export it again.")
     try:
         contents = mesh_reader(file)(file)
     except MemoryError as error:

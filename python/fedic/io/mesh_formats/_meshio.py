@@ -32,6 +32,8 @@ FORMATS = {
 """Formats that meshio reads for fedic, by suffix; its other readers lose cells or fail on valid files."""
 
 _ZONE = re.compile(rb"(?im)^\s*ZONE\b")
+_PREFIX = re.compile(r"\bError: |Couldn't read file .* as \S+$")
+"""What meshio adds to the cause."""
 _TAGS = ("avsucd:material", "medit:ref", "netgen:index", "obj:group_ids")
 """Fields that number the parts of a mesh."""
 
@@ -62,6 +64,7 @@ def read_with_meshio(path: Path) -> MeshFile:
     with _reported(
         f"{path}: the mesh file cannot be read",
         f"the file is damaged, or of a variant of {name} that meshio does not read",
+        " Save the mesh as VTK (.vtu), or in Gmsh as .msh.",
     ):
         import meshio
 
@@ -86,6 +89,8 @@ def read_with_meshio(path: Path) -> MeshFile:
             if tag in mesh.cell_data
             for number in np.unique(np.concatenate(mesh.cell_data[tag])).tolist()
         }
+    if not points.size:
+        raise unreadable(path, "it holds no nodes")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise MeshError(f"{path}: the file holds nodes of shape {points.shape}, not of 2 or 3 coordinates each.")
     return MeshFile(points, blocks, node_sets, cell_sets, parts=parts)
@@ -160,7 +165,7 @@ def _families(sets: Mapping[str, NDArray[np.int64]], count: int) -> tuple[NDArra
 
 
 @contextlib.contextmanager
-def _reported(what: str, cause: str | None = None) -> Iterator[None]:
+def _reported(what: str, cause: str | None = None, advice: str = "") -> Iterator[None]:
     """Turn whatever meshio raises or prints into a MeshError.
 
     meshio says what is wrong in errors of its own. Of its other errors, which are those of Python, the cause is said.
@@ -177,5 +182,5 @@ def _reported(what: str, cause: str | None = None) -> Iterator[None]:
             reason = cause
         elif isinstance(error, KeyError):
             reason = f"{reason} is unknown there"
-        reason = " ".join(reason.split()) or cause or type(error).__name__
-        raise MeshError(f"{what} ({reason.rstrip('.')}).") from error
+        reason = _PREFIX.sub("", " ".join(reason.split())).strip() or cause or type(error).__name__
+        raise MeshError(f"{what} ({reason.rstrip('.')}).{advice}") from error

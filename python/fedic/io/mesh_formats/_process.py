@@ -33,7 +33,7 @@ _PROGRAM = (
     "read_in_folder(*sys.argv[1:4])"
 )
 _BESIDE = dict.fromkeys((".xdmf", ".xmf"), (".h5", ".hdf5", ".bin"))
-_SECONDS, _SECONDS_PER_MEGABYTE = 20.0, 1.0
+_SECONDS, _SECONDS_PER_MEGABYTE = 60.0, 1.0
 _BYTES, _BYTES_PER_BYTE = 4 << 30, 50
 """Limits of time and memory of the process: for any file, and for each byte of it."""
 
@@ -48,7 +48,7 @@ def read_in_process(reader: str, path: Path, seconds: float | None = None) -> Me
     path : Path
         The file.
     seconds : float, optional
-        Limit of time; by default 20 s, and 1 s more for each megabyte of the file.
+        Limit of time; by default 60 s, and 1 s more for each megabyte of the file.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def read_in_process(reader: str, path: Path, seconds: float | None = None) -> Me
             ended = subprocess.run(command, capture_output=True, timeout=limit, check=False)
         except subprocess.TimeoutExpired as error:
             raise unreadable(
-                path, f"the library did not read it within {limit:.0f} s; the file is likely damaged"
+                path, f"the library did not read it within {limit:.0f} s: the file is damaged, or the computer is busy"
             ) from error
         except OSError as error:
             raise unreadable(path, f"Python cannot be started for it: {error}") from error
@@ -114,8 +114,11 @@ def _load(file: Path) -> MeshFile:
 
 def _size(path: Path) -> int:
     """Return the size of a file, and for XDMF of the files beside it that may hold its numbers."""
-    beside = [each for each in path.parent.iterdir() if each.suffix.lower() in _BESIDE.get(path.suffix.lower(), ())]
-    return sum(each.stat().st_size for each in [path, *beside] if each.is_file())
+    suffixes = _BESIDE.get(path.suffix.lower(), ())
+    with contextlib.suppress(OSError):  # the folder may not be listed, or a file be gone
+        beside = [each for each in path.parent.iterdir() if each.suffix.lower() in suffixes] if suffixes else []
+        return sum(each.stat().st_size for each in [path, *beside] if each.is_file())
+    return path.stat().st_size
 
 
 def _limit_memory(path: Path) -> None:

@@ -41,7 +41,8 @@ def check_whole(path: Path, contents: MeshFile) -> None:
     if any(map(len, contents.surface_cells().values())):
         return
     names = _Names(contents)
-    found = ", ".join(sorted({name for name, _ in contents.blocks})) or "none"
+    others = {name for name, _ in contents.blocks if name not in CELL_TYPES}
+    found = ", ".join(sorted(others)) or "none"
     example = names.example()
     if example is None:
         raise MeshError(

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from fedic.cameras.files.file_camera import FileCamera
+from fedic.cameras.files.lens_models import check_no_other_lens
 from fedic.cameras.files.matrices import camera_from_matrices
 from fedic.cameras.files.programs.opencv import size_of_image
 from fedic.errors import CameraError
@@ -31,6 +32,8 @@ def anipose_camera(path: Path, content: dict[str, Any], number: int) -> FileCame
         for key in ("matrix", "distortions", "rotation", "translation")
         if key in table
     }
+    if "distortions" not in table:
+        check_no_other_lens(path, {key: value for key, value in table.items() if key != "matrix"}, "distortions")
     posed = "rotation" in named and "translation" in named
     camera = camera_from_matrices(
         path,

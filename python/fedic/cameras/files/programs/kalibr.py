@@ -16,6 +16,11 @@ from fedic.errors import CameraError
 __all__ = ["euroc_camera", "is_camchain", "is_euroc", "kalibr_camera"]
 
 
+_COEFFICIENTS = ("distortion_coeffs", "distortion_coefficients")
+"""Key of the coefficients in the files of Kalibr and of EuRoC."""
+_NO_LENS = ("", "none", "no_distortion")
+
+
 def is_camchain(document: Tree) -> bool:
     """Return true if a YAML document is a camera chain of Kalibr."""
     return isinstance(document, dict) and isinstance(document.get("cam0"), dict) and "intrinsics" in document["cam0"]
@@ -46,24 +51,28 @@ def kalibr_camera(path: Path, document: dict[str, Tree], number: int) -> FileCam
         pose = step @ pose
     if missing:
         pose = np.eye(4)
-    return FileCamera(_camera(path, f"{name}.", document[name], "distortion_coeffs", pose), missing)
+    return FileCamera(_camera(path, f"{name}.", document[name], pose), missing)
 
 
 def euroc_camera(path: Path, document: dict[str, Tree], number: int) -> FileCamera:
     """Return the camera of a sensor file; its place on the body, ``T_BS``, is no pose of the specimen and not used."""
     if number != 0:
         raise CameraError(f"{path}: there is no camera {number}; a sensor file describes one, number 0.")
-    return FileCamera(_camera(path, "", document, "distortion_coefficients", np.eye(4)))
+    return FileCamera(_camera(path, "", document, np.eye(4)))
 
 
-def _camera(path: Path, prefix: str, tree: dict[str, Tree], lens: str, pose: Floats) -> Pinhole:
+def _camera(path: Path, prefix: str, tree: dict[str, Tree], pose: Floats) -> Pinhole:
     check_projection(path, f"{prefix}camera_model", text_of(tree.get("camera_model", "")))
-    check_lens_model(path, f"{prefix}distortion_model", text_of(tree.get("distortion_model", "")))
+    model = text_of(tree.get("distortion_model", ""))
+    check_lens_model(path, f"{prefix}distortion_model", model)
+    lens = next((name for name in _COEFFICIENTS if name in tree), "")
+    if not lens and model.lower() not in _NO_LENS:
+        raise CameraError(f"{path}: {prefix}{_COEFFICIENTS[0]}, those of {model}, are missing; is the file truncated?")
     fx, fy, cx, cy = numbers(path, f"{prefix}intrinsics", tree.get("intrinsics", []), 4)
     return camera_from_matrices(
         path,
         (f"{prefix}intrinsics", np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])),
-        (f"{prefix}{lens}", tree[lens]) if lens in tree else None,
+        (f"{prefix}{lens}", tree[lens]) if lens else None,
         (f"{prefix}T_cn_cnm1", pose[:3, :3]),
         (f"{prefix}T_cn_cnm1", pose[:3, 3]),
         size_of_image(path, tree),

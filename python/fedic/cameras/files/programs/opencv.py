@@ -1,9 +1,10 @@
 """Cameras under the names that OpenCV's programs use, in YAML, XML or arrays."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from fedic.cameras.files.file_camera import FileCamera
-from fedic.cameras.files.lens_models import check_lens_model, check_projection
+from fedic.cameras.files.lens_models import check_lens_model, check_no_other_lens, check_projection, plain_name
 from fedic.cameras.files.matrices import camera_from_matrices
 from fedic.cameras.files.syntax.tree import Tree, numbers, text_of
 from fedic.errors import CameraError
@@ -16,17 +17,19 @@ KEYS = {
     ),
     "distortion": (
         "distortion_coefficients", "Distortion_Coefficients", "distortion", "dist_coeffs", "dist_coeff", "distCoeffs",
-        "dist_coefs", "dist", "D",
+        "dist_coefs", "distortion_coeffs", "distortion_coefficient", "dist", "kc", "D",
     ),
     "rotation": ("rvec", "rotation_vector", "rotation_matrix", "rotation", "R"),
     "translation": ("tvec", "translation_vector", "translation", "T", "t"),
 }  # fmt: skip
-"""Keys under which other programs store each matrix."""
+"""Keys under which other programs store each matrix; of longer ones, case and separators do not count."""
+_SHORT = 2
+"""Length of names whose case counts: K1 is a matrix, k1 a coefficient."""
 
-_PAIRS = {
-    "matrix": ("M{}", "K{}", "cameraMatrix{}", "camera_matrix_{}", "mtx{}"),
-    "distortion": ("D{}", "distCoeffs{}", "dist_coeffs_{}", "dist{}"),
-}
+_SINGLE_LETTERS = {"matrix": ("M", "K"), "distortion": ("D",)}
+"""Names of two cameras that have a number or letter added."""
+_SIDES = (("0", "1"), ("1", "2"), ("L", "R"), ("l", "r"), ("left", "right"))
+"""What is added to the names of two cameras, before or after."""
 _LENS_MODELS = ("distortion_model", "distortionModel", "distortion_type", "lens_model", "distortion_name")
 _PROJECTIONS = ("camera_model", "cameraModel", "model_type", "projection_model")
 _SIZES = (
@@ -64,6 +67,9 @@ def opencv_camera(path: Path, tree: dict[str, Tree], number: int) -> FileCamera:
     _check_models(path, tree)
     keys = _keys_of(path, list(tree), number)
     found = {what: (key, tree[key]) for what, key in keys.items()}
+    if "distortion" not in found:
+        rest = {key: value for key, value in tree.items() if key not in keys.values()}
+        check_no_other_lens(path, rest, KEYS["distortion"][0])
     second = number > 0
     missing = [what for what in ("rotation", "translation") if what not in found] if second else []
     if missing:
@@ -115,18 +121,34 @@ def _check_models(path: Path, tree: dict[str, Tree]) -> None:
 
 def _keys_of(path: Path, names: list[str], number: int) -> dict[str, str]:
     """Return the key of each matrix in a file: ``matrix`` and, if present, ``distortion``, ``rotation`` and so on."""
-    single = {what: next((key for key in keys if key in names), "") for what, keys in KEYS.items()}
-    forms = {what: [key.format(number + 1) for key in keys] for what, keys in _PAIRS.items()}
-    paired = {what: next((key for key in keys if key in names), "") for what, keys in forms.items()}
+    single = {what: _key_among(names, keys) for what, keys in KEYS.items()}
     if single["matrix"]:
         if number != 0:
             raise CameraError(f"{path}: there is no camera {number}; the file holds one, number 0.")
         return {what: key for what, key in single.items() if key}
-    if not paired["matrix"]:
-        expected = ", ".join([*KEYS["matrix"], *forms["matrix"]])
-        raise CameraError(
-            f"{path}: there is no camera matrix {f'of camera {number} ' if number else ''}under any of the keys "
-            f"{expected}; the file holds {', '.join(names[:20]) or 'nothing'}."
-        )
-    pose = {what: single[what] for what in ("rotation", "translation")} if number else {}
-    return {what: key for what, key in {**paired, **pose}.items() if key}
+    for sides in _SIDES:
+        # Numbers that begin at 0 are told by the 0: K1 is the second camera beside K0, and the first beside K2.
+        told_by = sides[:1] if sides[0] == "0" else sides
+        if any(_key_among(names, _forms("matrix", side)) for side in told_by) and 0 <= number < len(sides):
+            paired = {what: _key_among(names, _forms(what, sides[number])) for what in _SINGLE_LETTERS}
+            if paired["matrix"]:
+                pose = {what: single[what] for what in ("rotation", "translation")} if number else {}
+                return {what: key for what, key in {**paired, **pose}.items() if key}
+    which = f" of camera {number}" if number else ""
+    raise CameraError(
+        f"{path}: there is no camera matrix{which}; name it camera_matrix, or K1 and K2 if there are two "
+        f"(docs/cameras.md has other names); the file holds {', '.join(names[:20]) or 'nothing'}."
+    )
+
+
+def _forms(what: str, side: str) -> list[str]:
+    bases = (*_SINGLE_LETTERS[what], *KEYS[what])
+    return [form for base in bases for form in (f"{base}{side}", f"{base}_{side}", f"{side}_{base}")]
+
+
+def _key_among(names: list[str], forms: Sequence[str]) -> str:
+    """Return the first of some names that a file has, or else one that differs in case and separators only."""
+    plain = {plain_name(form) for form in forms}
+    return next((form for form in forms if form in names), "") or next(
+        (name for name in names if len(name) > _SHORT and plain_name(name) in plain), ""
+    )

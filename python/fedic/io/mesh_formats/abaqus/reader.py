@@ -147,6 +147,9 @@ def _read_containers(path: Path) -> list[Container]:
             containers[0].has_rigid_body = True
         elif keyword in _COMMANDS:
             _COMMANDS[keyword](current, block)
+    unfinished = open_[-1]
+    if unfinished.line is not None:
+        raise unfinished.line.error(f"*{unfinished.kind} has no *END {unfinished.kind}; the file is truncated.")
     return containers
 
 

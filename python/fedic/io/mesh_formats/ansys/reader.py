@@ -17,7 +17,7 @@ __all__ = ["read_ansys"]
 
 _WHOLE_LINE = ("/COM", "/TITLE", "C***", "/TLABEL")
 _CHANGING = {
-    *("AMESH", "VMESH", "LMESH", "KMESH", "FVMESH", "VSWEEP", "VEXT", "EXTOPT", "EGEN", "NGEN", "FILL", "QUAD"),
+    *("AMESH", "VMESH", "LMESH", "KMESH", "FVMESH", "VSWEEP", "VEXT", "EGEN", "NGEN", "FILL", "QUAD"),
     *("ESYM", "ENSYM", "NSYM", "ENGEN", "NSCALE", "NMODIF", "EMODIF", "EMID", "NDELE", "EDELE", "EREFINE", "NREFINE"),
     *("TRANSFER", "NUMMRG", "NUMCMP", "NREAD", "EREAD", "NRRANG", "ERRANG", "CDREAD", "UPGEOM", "NMOVE", "MOVE"),
     *("ESURF", "EINTF", "ESLN_", "/INPUT", "*USE", "*REPEAT"),
@@ -134,6 +134,8 @@ class _Reader:
 
     def _element(self, name: str, items: list[str]) -> None:
         if name == "EN" and items and items[0].upper().startswith(("R5", "UNBL")):
+            if [item.upper() for item in items[1:3]] == ["ATTR", "-1"]:  # the end of the elements
+                return
             raise ValueError("unblocked elements are not read; write the mesh by CDWRITE,DB in blocks")
         numbers = self._integers(items)
         element = numbers.pop(0) if name == "EN" and numbers else self.last_element + 1

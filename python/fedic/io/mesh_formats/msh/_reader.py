@@ -143,7 +143,9 @@ def _sets(
     elements: list[Elements], names: dict[tuple[int, int], str]
 ) -> tuple[dict[str, list[Indices]], dict[str, list[Indices]]]:
     """Return the physical groups with a name, and the numbered groups and surfaces."""
-    named: dict[str, list[Indices]] = {}
+    none = np.empty(0, dtype=np.int64)
+    # Gmsh writes names of groups without their elements too: all elements in version 2.2, for instance.
+    named: dict[str, list[Indices]] = {name: [none] * len(elements) for name in names.values()}
     parts: dict[str, list[Indices]] = {}
     for index, each in enumerate(elements):
         dimension = each.element.dimension
@@ -156,6 +158,6 @@ def _sets(
         if dimension == 2:
             found += [(parts, f"surface {tag}", np.flatnonzero(each.entity == tag)) for tag in np.unique(each.entity)]
         for where, name, rows in found:
-            members = where.setdefault(name, [np.empty(0, dtype=np.int64)] * len(elements))
+            members = where.setdefault(name, [none] * len(elements))
             members[index] = np.union1d(members[index], rows)
     return named, parts

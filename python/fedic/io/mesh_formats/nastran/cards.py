@@ -14,6 +14,9 @@ __all__ = ["Card", "read_cards"]
 _SMALL = range(8, 72, 8)
 _LARGE = range(8, 72, 16)
 """First columns of the fields."""
+_QUOTES = ("'", '"')
+_LONGEST_NAME = 4096
+"""Letters up to which the name of an included file goes on over several lines."""
 
 
 @dataclass
@@ -134,13 +137,13 @@ def read_cards(path: Path) -> Iterator[Card]:
     """
     lines = _bulk(_lines(Includes(path), path, (path,)))
     card: Card | None = None
-    marker = ""
+    marks = {""}
     for source, number, line in lines:
         name, fields, large, end, fault = _fields(line)
         if not name or name[0] in "+*":
             if card is None:
                 raise line_error(source, number, "this continuation line belongs to no card.")
-            if name.lstrip("+*") and marker and name.lstrip("+* ") != marker:
+            if name[1:].strip() and "" not in marks and name[1:].strip() not in marks:
                 card.fault = "the lines of the card do not follow each other; write them in order."
             if not large and len(card.fields) % 8:
                 card.fields += [""] * (8 - len(card.fields) % 8)
@@ -150,7 +153,7 @@ def read_cards(path: Path) -> Iterator[Card]:
             if card is not None:
                 yield card
             card = Card(name.rstrip("*").strip(), fields, source, number, fault)
-        marker = end.lstrip("+* ")
+        marks = {end.lstrip("+* "), end[1:].strip()}  # the first column of a mark may hold any letter
     if card is not None:
         yield card
 
@@ -193,10 +196,15 @@ def _bulk(lines: Iterator[tuple[Path, int, str]]) -> Iterator[tuple[Path, int, s
 
 def _lines(files: Includes, path: Path, including: tuple[Path, ...]) -> Iterator[tuple[Path, int, str]]:
     """Yield the lines of a file and of those it includes that are neither blank nor comments."""
-    for number, text in enumerate(files.read(path), start=1):
+    numbered = enumerate(files.read(path), start=1)
+    for number, text in numbered:
         line = text.partition("$")[0].rstrip()
         if line[:1] in "Ii \t" and line.lstrip()[:7].upper() == "INCLUDE":
-            included = files.find(line.lstrip()[7:].strip("'\" \t"), number, including)
+            name = line.lstrip()[7:].strip()
+            while name[:1] in _QUOTES and name.count(name[:1]) == 1 and len(name) < _LONGEST_NAME:
+                _, following = next(numbered, (0, name[0]))
+                name += following.strip()
+            included = files.find(name.strip("'\" \t"), number, including)
             yield from _lines(files, included, (*including, included))
         elif line:
             yield path, number, line

@@ -65,7 +65,7 @@ def element_of(card: Card) -> Element | None:
             return Element(kind.cells[count], tuple([card.label(3 + place) for place in places[:count]]))
     card.label(1)
     missing = sorted(place + 1 for place, there in zip(places, given, strict=True) if not there)
+    advice = "give all nodes in the middle of edges, or none" if len(kind.cells) > 1 else "complete the card"
     raise card.error(
-        f"the {card.name} element {card.text(1)} lacks the nodes {', '.join(map(str, missing))} of {most}; "
-        "give all nodes in the middle of edges, or none."
+        f"the {card.name} element {card.text(1)} lacks the nodes {', '.join(map(str, missing))} of {most}; {advice}."
     )

@@ -42,7 +42,13 @@ def read_nastran(path: Path) -> MeshFile:
     properties: dict[str, list[int]] = {}
     default_system = 0
     systems = Systems(lambda number, card: _node(number, card, grids, default_system, systems))
+    makes_mesh = False
     for card in read_cards(path):
+        if card.name.startswith("="):
+            if makes_mesh:
+                raise card.error("this card repeats the one before (=), which is not followed; write all cards out.")
+            continue
+        makes_mesh = card.name in {*_SYSTEMS, "GRID"}
         if card.name == "GRID":
             _add_once(grids, card)
         elif card.name == "GRDSET":
@@ -50,6 +56,7 @@ def read_nastran(path: Path) -> MeshFile:
         elif card.name in _SYSTEMS:
             systems.add(card)
         elif (element := element_of(card)) is not None:
+            makes_mesh = True
             if _add_once(elements, card):
                 number = card.label(1)
                 mesh.elements[number] = element
