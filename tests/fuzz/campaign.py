@@ -1,5 +1,6 @@
 """Workers fed with inputs and watched: those that die or do not answer are replaced."""
 
+import contextlib
 import os
 import queue
 import subprocess
@@ -54,7 +55,8 @@ class _Worker:
             env={**os.environ, "PYTHONPATH": path},
         )
         self.lines: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._collect, daemon=True).start()
+        self.collector = threading.Thread(target=self._collect, daemon=True)
+        self.collector.start()
         if self._answer(_START) != "ready":
             self.stop()
             raise RuntimeError(f"the worker of {suite} does not start")
@@ -82,6 +84,10 @@ class _Worker:
     def stop(self) -> None:
         self.process.kill()
         self.process.wait()
+        self.collector.join()
+        for pipe in (self.process.stdin, self.process.stdout):
+            with contextlib.suppress(BrokenPipeError):
+                pipe.close()  # type: ignore[union-attr]
 
 
 def run(suite: str, numbers: Iterable[str]) -> Tally:

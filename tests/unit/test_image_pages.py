@@ -88,7 +88,7 @@ def test_pages_are_named_in_a_configuration(stack: Path) -> None:
     assert deformed('"c*.tif"') == ["c#1.tif"]
     with pytest.raises(fedic.ImageError, match=r"names .*other\.tif, which does not exist"):
         deformed('"other.tif#1"')
-    with pytest.raises(ConfigError, match="two images called 'stack-1'"):
+    with pytest.raises(ConfigError, match=r"should name each file once: the results of 'stack\.tif#1'"):
         deformed('["stack.tif#1", "stack.tif#1"]')
 
 

@@ -32,6 +32,7 @@ def linear_result(cell: str) -> fedic.Result:
         unchecked_displacement=displacement,
         quality=fedic.Quality.unknown(mesh, converged=True),
         start="given",
+        unit="px",
     )
 
 
@@ -76,7 +77,7 @@ def test_the_colour_scale_of_signed_fields_is_centred_on_zero() -> None:
 
 
 def test_labels_state_the_unit_of_the_component() -> None:
-    result = dataclasses.replace(linear_result("quad"), camera=fedic.FrontParallel(1.0, (0.0, 90.0)))
+    result = dataclasses.replace(linear_result("quad"), camera=fedic.FrontParallel(1.0, (0.0, 90.0)), unit="")
     assert plot_displacement(result, IMAGE, "y").axes[1].get_ylabel() == "$U_y$ (mesh unit)"
     assert plot_displacement(result, IMAGE, "v", on="reference").axes[1].get_ylabel() == "v (px)"
 

@@ -26,7 +26,6 @@ from fedic._internal.sections import (
     config_error,
     in_folder,
 )
-from fedic._internal.toml_files import read_tables
 from fedic._internal.types import Camera
 from fedic._internal.units import checked_unit
 from fedic.cameras.files import read_camera, read_file_camera
@@ -47,6 +46,7 @@ from fedic.campaign.outputs import Outputs, result_names
 from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError
 from fedic.io.images import split_page
 from fedic.io.meshes import read_mesh, split_choice
+from fedic.io.toml import load_toml
 from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
 
@@ -261,7 +261,7 @@ def load_config(path: Path) -> Config:
     ImageError, MeshError, CameraError
         If an image, mesh or camera it names does not exist, or the camera cannot be read.
     """
-    content = read_tables(path, "configuration")
+    content = load_toml(path, ConfigError, "configuration")
     try:
         config = Config.model_validate(content, context={"folder": path.parent, "source": path})
     except ValidationError as error:

@@ -13,7 +13,6 @@ from fedic._core import Mesh, __version__
 from fedic._internal.types import Floats
 from fedic.errors import OptionError
 from fedic.io.atomic import atomic_path, write_json
-from fedic.io.mesh_formats.vtk import write_vtu
 
 __all__ = ["write_result"]
 
@@ -52,6 +51,8 @@ def write_result(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]], sum
         with atomic_path(path) as temporary, temporary.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
     elif suffix == ".vtu":
+        from fedic.io.mesh_formats.vtk import write_vtu  # not needed by `import fedic`
+
         with atomic_path(path) as temporary:
             write_vtu(
                 temporary,

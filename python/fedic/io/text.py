@@ -19,7 +19,7 @@ _MARKS = (
 _HEAD = 1024
 
 
-def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> str:
+def read_text(path: Path, limit: int, error: type[FedicError] = FedicError, what: str = "file") -> str:
     """Read a text file.
 
     Parameters
@@ -30,6 +30,8 @@ def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> s
         Largest size, in bytes.
     error : type of FedicError
         What is raised.
+    what : str
+        Kind of the file in messages, such as ``"camera file"``.
 
     Returns
     -------
@@ -41,7 +43,7 @@ def read_text(path: Path, limit: int, error: type[FedicError] = FedicError) -> s
     FedicError
         Of the type `error`, if the file is missing, not a regular file, too large, cannot be read, or is not text.
     """
-    content = read_bytes(path, limit, error)
+    content = read_bytes(path, limit, error, what)
     try:
         text = decoded(content)
     except UnicodeDecodeError as fault:

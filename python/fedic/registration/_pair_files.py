@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fedic._internal.text_files import decoded_text
 from fedic._internal.types import Floats, StrPath
 from fedic.errors import CameraError
+from fedic.io.text import decoded
 from fedic.registration._pair_rows import Row, TableError, is_label, numbers_of, split_rows
 
 __all__ = ["read_pairs"]
@@ -59,11 +59,8 @@ def _text(path: Path) -> str:
         data = path.read_bytes()
     except OSError as fault:
         raise TableError(fault.strerror or str(fault)) from None
-    try:
-        return decoded_text(data)
-    except UnicodeDecodeError:
-        # Only comments, headings and labels have other letters, which do not matter.
-        return data.decode("cp1252", errors="replace")
+    # Only comments, headings and labels have letters, which do not matter.
+    return decoded(data, "replace")
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 
 from fedic.errors import MeshError
@@ -10,29 +11,37 @@ from fedic.io._mesh_file import MeshFile
 from fedic.io.mesh_formats._lines import first_lines
 from fedic.io.mesh_formats._meshio import FORMATS
 from fedic.io.mesh_formats._process import read_in_process
-from fedic.io.mesh_formats.abaqus import read_abaqus
-from fedic.io.mesh_formats.ansys import read_ansys
-from fedic.io.mesh_formats.msh import read_msh
-from fedic.io.mesh_formats.nastran import read_nastran
-from fedic.io.mesh_formats.unv import read_unv
-from fedic.io.mesh_formats.vtk import read_legacy_vtk, read_xml_vtk
 
 __all__ = ["mesh_reader"]
 
 Reader = Callable[[Path], MeshFile]
+
+
+def _of(package: str, name: str) -> Reader:
+    """Return a reader whose package is imported when it is first used."""
+
+    def read(path: Path) -> MeshFile:
+        found: Reader = getattr(import_module(f"fedic.io.mesh_formats.{package}"), name)
+        return found(path)
+
+    return read
+
+
+_ABAQUS, _ANSYS, _NASTRAN = _of("abaqus", "read_abaqus"), _of("ansys", "read_ansys"), _of("nastran", "read_nastran")
+_XML_VTK = _of("vtk", "read_xml_vtk")
 _READERS: dict[str, Reader] = {
     **dict.fromkeys(FORMATS, partial(read_in_process, "meshio")),
-    **dict.fromkeys((".bdf", ".fem", ".nas"), read_nastran),
+    **dict.fromkeys((".bdf", ".fem", ".nas"), _NASTRAN),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), partial(read_in_process, "exodus")),
     **dict.fromkeys((".xdmf", ".xmf"), partial(read_in_process, "xdmf")),
-    ".cdb": read_ansys,
-    ".inp": read_abaqus,
+    ".cdb": _ANSYS,
+    ".inp": _ABAQUS,
     ".med": partial(read_in_process, "med"),
-    ".msh": read_msh,
-    ".unv": read_unv,
-    ".vtk": read_legacy_vtk,
-    ".vtp": read_xml_vtk,
-    ".vtu": read_xml_vtk,
+    ".msh": _of("msh", "read_msh"),
+    ".unv": _of("unv", "read_unv"),
+    ".vtk": _of("vtk", "read_legacy_vtk"),
+    ".vtp": _XML_VTK,
+    ".vtu": _XML_VTK,
 }
 """Reader of each suffix."""
 
@@ -43,13 +52,13 @@ _PROGRAMS: tuple[tuple[re.Pattern[str], Reader], ...] = (
             r"\*\s*(HEADING|NODE|ELEMENT|PART|INCLUDE|NSET|ELSET|SYSTEM|PREPRINT|ASSEMBLY|PARAMETER|NGEN)\b",
             re.IGNORECASE,
         ),
-        read_abaqus,
+        _ABAQUS,
     ),
     (
         re.compile(
             r"/[A-Z]|(NBLOCK|EBLOCK|CMBLOCK|ET|N|E|EN|MP|KEYOPT|TYPE|CSYS|\*SET|\*GET|\*DIM)\s*,", re.IGNORECASE
         ),
-        read_ansys,
+        _ANSYS,
     ),
     (
         re.compile(
@@ -57,7 +66,7 @@ _PROGRAMS: tuple[tuple[re.Pattern[str], Reader], ...] = (
             r"(GRID|GRDSET|CORD[12][RCS]|C(QUAD|TRIA|HEXA|TETRA|PENTA)\w*|PSHELL|PSOLID|MAT1)\*?[\s,])",
             re.IGNORECASE,
         ),
-        read_nastran,
+        _NASTRAN,
     ),
 )
 """Beginnings of lines that tell the program which wrote a file of a shared suffix."""

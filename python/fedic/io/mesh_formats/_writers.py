@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from fedic.io.mesh_formats._meshio import write_with_meshio
 from fedic.io.mesh_formats._set_fields import set_fields
-from fedic.io.mesh_formats.abaqus import write_abaqus
-from fedic.io.mesh_formats.vtk import write_vtu
 
 __all__ = ["mesh_writer"]
 
@@ -37,9 +35,19 @@ def mesh_writer(path: Path) -> _Writer:
 def _write_vtu(
     path: Path, points: NDArray[np.float64], cells: _Indices, node_sets: _Indices, cell_sets: _Indices
 ) -> None:
+    from fedic.io.mesh_formats.vtk import write_vtu
+
     num_cells = sum(len(nodes) for nodes in cells.values())
     write_vtu(path, points, cells, set_fields(node_sets, len(points)), set_fields(cell_sets, num_cells), {})
 
 
-_WRITERS: dict[str, _Writer] = {".inp": write_abaqus, ".vtu": _write_vtu}
+def _write_abaqus(
+    path: Path, points: NDArray[np.float64], cells: _Indices, node_sets: _Indices, cell_sets: _Indices
+) -> None:
+    from fedic.io.mesh_formats.abaqus import write_abaqus
+
+    write_abaqus(path, points, cells, node_sets, cell_sets)
+
+
+_WRITERS: dict[str, _Writer] = {".inp": _write_abaqus, ".vtu": _write_vtu}
 """Writers of fedic's own; meshio writes all other formats."""

@@ -24,7 +24,7 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f
 
 def read_toml(path: Path, number: int) -> FileCamera:
     """Read a camera; the section ``[calibration]`` is ignored."""
-    content = load_toml(path, CameraError)
+    content = load_toml(path, CameraError, "camera")
     if is_anipose(content):
         return anipose_camera(path, content, number)
     if number != 0:
