@@ -9,7 +9,7 @@ from fuzz.campaign import Tally, run
 from fuzz.mutations import mutated
 from fuzz.suites import SUITES
 
-INPUTS = 150
+INPUTS = 100
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes of processes differ")

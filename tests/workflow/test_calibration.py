@@ -56,11 +56,11 @@ def test_exact_points_recover_the_camera(distortion: str) -> None:
 
 @pytest.mark.parametrize("distortion", ["brown", "radial2+prism"])
 def test_parameters_lie_within_their_standard_deviations(distortion: str) -> None:
-    """Within three standard deviations in 95 of 100 draws, intrinsics and one pose; their scatter is one."""
+    """Within three standard deviations in 47 of 50 draws, intrinsics and one pose; their scatter is one."""
     pixels, lens = views(distortion), LENSES[distortion]
     true_pose = poses(BOARD, 12, lens)[3]
     scores, pose_scores = [], []
-    for draw in range(100):
+    for draw in range(50):
         calibration = from_board(noisy(pixels, draw), distortion)
         truth, deviations = true_parameters(lens), np.array(list(calibration.standard_deviations.values()))
         errors = [value - truth[name] for name, value in calibration.parameters.items()]
@@ -72,9 +72,9 @@ def test_parameters_lie_within_their_standard_deviations(distortion: str) -> Non
         pose_scores.append(np.concatenate([turn, shift]) / of_pose)
         assert all(view.accepted and view.used.all() for view in calibration.views)
     for each in (np.array(scores), np.array(pose_scores)):
-        assert ((np.abs(each) < 3.0).sum(axis=0) >= 95).all()
-        # The sample standard deviation of 100 draws is 1 +- 0.07; four of those.
-        assert (np.abs(each.std(axis=0) - 1.0) < 0.3).all()
+        assert ((np.abs(each) < 3.0).sum(axis=0) >= 47).all()
+        # The sample standard deviation of 50 draws is 1 +- 0.1; four of those.
+        assert (np.abs(each.std(axis=0) - 1.0) < 0.4).all()
 
 
 @pytest.mark.parametrize(

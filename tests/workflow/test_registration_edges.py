@@ -36,12 +36,12 @@ def test_standard_deviations_from_edges_agree_with_monte_carlo() -> None:
     """The errors of the edges come from the speckle: each draw has a new one."""
     camera, start = fedic.FrontParallel(5.0, (20.0, 160.0), 0.05), fedic.FrontParallel(5.01, (20.5, 159.5), 0.051)
     ratios = []
-    for seed in range(40):
+    for seed in range(20):
         image = fedic.synthetic.render(Plate(0.02, seed, 0.6), camera, (180, 330), supersampling=2, seed=seed)
         found = fedic.register(MESH, image, start, features=["hole 0", "left", "bottom"], search=0.0)
         ratios.append(errors(found.camera, camera) / list(found.standard_deviations.values()))
     scores = np.array(ratios)
-    assert (np.abs(scores) < 3.0).sum(axis=0).min() >= 38
+    assert (np.abs(scores) < 3.0).sum(axis=0).min() >= 19
     assert np.all(scores.std(axis=0) < 1.4)
 
 
