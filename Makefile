@@ -28,8 +28,10 @@ demo: build ## Run the main job: the lens-distortion experiment, with its table 
 
 test: test-rust test-python ## Run every test.
 
+# Examples are compiled by clippy.
 test-rust:
-	cargo test --quiet $(CARGO_TEST)
+	cargo test --quiet $(CARGO_TEST) --lib --bins --tests
+	cargo test --quiet $(CARGO_TEST) --doc
 
 # One worker per processor: threads of OpenBLAS would only wait for one another.
 test-python: build
