@@ -12,7 +12,7 @@ import pytest
 
 import fedic
 import fedic.campaign.series
-import fedic.io.results
+import fedic.io.mesh_formats.vtk
 from fedic.campaign import load_config, measure_series
 from scenes.runs import contents, run, speckle, write_image, write_run
 
@@ -129,7 +129,7 @@ def test_a_name_too_long_for_its_results_fails_one_frame(tmp_path: Path, length:
 
 
 def test_a_full_disk_fails_the_frames_that_do_not_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    write = fedic.io.results.write_vtu
+    write = fedic.io.mesh_formats.vtk.write_vtu
     written: list[Path] = []
 
     def full(path: Path, *arguments: Any) -> None:
@@ -139,7 +139,7 @@ def test_a_full_disk_fails_the_frames_that_do_not_fit(tmp_path: Path, monkeypatc
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         write(path, *arguments)
 
-    monkeypatch.setattr(fedic.io.results, "write_vtu", full)
+    monkeypatch.setattr(fedic.io.mesh_formats.vtk, "write_vtu", full)
     outcome = run(write_run(tmp_path, ["a.png", "b.png", "c.png"]))
     assert outcome.exit_code == 2
     assert "No space left on device" in outcome.stderr

@@ -24,6 +24,7 @@ def _of(package: str, name: str) -> Reader:
         found: Reader = getattr(import_module(f"fedic.io.mesh_formats.{package}"), name)
         return found(path)
 
+    read.__name__ = name
     return read
 
 
