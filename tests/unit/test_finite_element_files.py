@@ -48,4 +48,5 @@ def test_the_program_is_told_by_the_contents(
     tmp_path: Path, name: str, text: str, reader: Callable[[Path], MeshFile]
 ) -> None:
     (tmp_path / name).write_text(text)
-    assert mesh_reader(tmp_path / name).__name__ == reader.__name__
+    found = mesh_reader(tmp_path / name)
+    assert found is reader or found.__name__ == reader.__name__
