@@ -4,11 +4,11 @@ use fedic_memory::is_available;
 
 use crate::{CellType, Mesh, MeshError};
 
-/// Largest number of places of a grid for nodes. No image has pixels for more.
-const MAX_PLACES: f64 = (1 << 24) as f64;
+/// Largest number of places of a grid for nodes: one for 256 pixels of the largest image.
+const MAX_PLACES: f64 = (1 << 22) as f64;
 
-/// Memory of a node and of what refers to it, in bytes.
-const BYTES_PER_PLACE: usize = 128;
+/// Memory of a place and of what refers to it, in bytes: at most 174, in a mesh of triangles.
+const BYTES_PER_PLACE: usize = 192;
 
 /// Regular mesh of a rectangle with cells of about `size`.
 ///

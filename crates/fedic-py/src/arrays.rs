@@ -6,6 +6,9 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
+/// Longest value that an error message shows, in characters.
+const LONGEST_VALUE: usize = 60;
+
 /// Makes the exception of a module out of a sentence.
 pub(crate) type Raise = fn(String) -> PyErr;
 
@@ -95,6 +98,15 @@ pub(crate) fn describe(object: &Bound<'_, PyAny>) -> String {
         Ok(array) => format!("an array of shape {:?} and dtype {}", array.shape(), array.dtype()),
         Err(_) => object.get_type().name().map_or_else(|_| "another object".to_owned(), |name| name.to_string()),
     }
+}
+
+/// An object as Python writes it, shortened.
+pub(crate) fn representation(object: &Bound<'_, PyAny>) -> String {
+    let text = object.repr().map_or_else(|_| "an object without representation".to_owned(), |text| text.to_string());
+    if text.chars().count() <= LONGEST_VALUE {
+        return text;
+    }
+    text.chars().take(LONGEST_VALUE - 3).chain("...".chars()).collect()
 }
 
 /// Rows as a new `(n, D)` array.

@@ -13,7 +13,7 @@ use crate::errors::argument_error;
 use crate::image::{GreyArray, ReferenceImage};
 use crate::mesh::any_mesh;
 use crate::options::correlation_options;
-use crate::worker::{run_briefly, run_on};
+use crate::worker::{SHARED, run_briefly, run_on};
 
 const DEFORMED: &str = "the deformed image";
 
@@ -39,10 +39,10 @@ impl Correlator {
         let mesh = any_mesh(mesh)?;
         let camera = any_camera(camera)?;
         let options = correlation_options(options)?;
-        let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
-        let reference = Arc::new(ReferenceImage::new(reference, pool.as_ref())?);
+        let shared = options.num_threads.is_none().then_some(&SHARED);
+        let reference = Arc::new(ReferenceImage::new(reference)?);
         let mask: Option<Vec<bool>> = mask.map(|mask| mask.as_array().iter().copied().collect());
-        let inner = run_on(py, pool.as_ref(), progress, move |monitor| {
+        let inner = run_on(py, shared, progress, move |monitor| {
             fedic::Correlator::new_with(reference, mesh, camera, options, mask.as_deref(), monitor)
         })?;
         Ok(Self { inner })
@@ -56,7 +56,7 @@ impl Correlator {
 
     /// Image points of the nodes in the reference image, (n, 2) float64, in pixels; NaN at nodes that no cell uses.
     fn node_pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        to_array(py, &run_briefly(py, self.inner.threads(), || self.inner.node_pixels())?)
+        to_array(py, &run_briefly(py, self.threads(), || self.inner.node_pixels())?)
     }
 
     /// Measures one deformed image; see `fedic.Correlator.correlate`. At most `max_iterations` iterations are made, fewer than the
@@ -72,9 +72,9 @@ impl Correlator {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
-        let view = grey.view(py, self.inner.threads(), DEFORMED)?;
+        let view = grey.view(py, self.threads(), DEFORMED)?;
         let field = initial.map(|field| rows::<2>(field, "initial", argument_error)).transpose()?;
-        run_on(py, self.inner.threads(), progress, move |monitor| {
+        run_on(py, Some(self.threads()), progress, move |monitor| {
             let start = match &field {
                 Some(field) if pyramid => Start::PyramidFrom(field),
                 Some(field) => Start::Field(field),
@@ -95,10 +95,10 @@ impl Correlator {
         displacement: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let grey = GreyArray::borrow(deformed, DEFORMED)?;
-        let view = grey.view(py, self.inner.threads(), DEFORMED)?;
+        let view = grey.view(py, self.threads(), DEFORMED)?;
         let field = rows::<2>(displacement, "displacement", argument_error)?;
         let map =
-            run_on(py, self.inner.threads(), None, |monitor| self.inner.residual_map_with(view, &field, monitor))?;
+            run_on(py, Some(self.threads()), None, |monitor| self.inner.residual_map_with(view, &field, monitor))?;
         let [width, height] = self.inner.size();
         PyArray::from_vec(py, map).reshape([height, width])
     }
@@ -112,7 +112,7 @@ impl Correlator {
         displacement: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let field = displacement.map(|field| rows::<2>(field, "displacement", argument_error)).transpose()?;
-        let deviations = run_on(py, self.inner.threads(), None, |monitor| {
+        let deviations = run_on(py, Some(self.threads()), None, |monitor| {
             self.inner.standard_deviations_with(noise, field.as_deref(), monitor)
         })?;
         to_array(py, &deviations)
@@ -138,8 +138,8 @@ impl Correlator {
         high: [usize; 2],
     ) -> PyResult<f64> {
         let grey = GreyArray::borrow(image, "image")?;
-        let view = grey.view(py, self.inner.threads(), "image")?;
-        run_briefly(py, self.inner.threads(), || view.saturated_share(low, high))
+        let view = grey.view(py, self.threads(), "image")?;
+        run_briefly(py, self.threads(), || view.saturated_share(low, high))
     }
 
     /// Quadrature points.
@@ -157,9 +157,16 @@ impl Correlator {
         &self,
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)> {
-        let (points, weights, cells) = run_briefly(py, self.inner.threads(), || self.inner.quadrature_points())?;
+        let (points, weights, cells) = run_briefly(py, self.threads(), || self.inner.quadrature_points())?;
         let cells = cells.into_iter().map(|cell| cell as i64).collect();
         Ok((to_array(py, &points)?, PyArray1::from_vec(py, weights), PyArray1::from_vec(py, cells)))
+    }
+}
+
+impl Correlator {
+    /// Its own threads, or the shared ones.
+    fn threads(&self) -> &ThreadPool {
+        self.inner.threads().unwrap_or(&SHARED)
     }
 }
 

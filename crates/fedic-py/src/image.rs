@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::arrays::{describe, rows, to_array};
 use crate::errors::{IntoPyErr, argument_error, image_error};
-use crate::worker::{run, run_briefly};
+use crate::worker::{SHARED, run, run_briefly};
 
 /// Points per parallel task.
 const CHUNK: usize = 4096;
@@ -46,9 +46,8 @@ impl<'py> GreyArray<'py> {
         }
     }
 
-    /// The array as an image of the core; errors call it `name`. Floating-point numbers are checked on the threads of `pool`, or on the
-    /// shared ones.
-    pub(crate) fn view(&self, py: Python<'_>, pool: Option<&ThreadPool>, name: &str) -> PyResult<ImageView<'_>> {
+    /// The array as an image of the core; errors call it `name`. Floating-point numbers are checked on the threads of `pool`.
+    pub(crate) fn view(&self, py: Python<'_>, pool: &ThreadPool, name: &str) -> PyResult<ImageView<'_>> {
         let (width, height, pixels) = self.pixels(name)?;
         let view = match pixels {
             Pixels::F32(_) => run_briefly(py, pool, || ImageView::new(width, height, pixels))?,
@@ -75,9 +74,9 @@ const REFERENCE: &str = "the reference image";
 pub(crate) struct ReferenceImage(Py<PyAny>);
 
 impl ReferenceImage {
-    /// Keeps `object`, after checking that it is an image.
-    pub(crate) fn new(object: &Bound<'_, PyAny>, pool: Option<&ThreadPool>) -> PyResult<Self> {
-        GreyArray::borrow(object, REFERENCE)?.view(object.py(), pool, REFERENCE)?;
+    /// Keeps `object`, after checking its type; its numbers are checked when it is viewed.
+    pub(crate) fn new(object: &Bound<'_, PyAny>) -> PyResult<Self> {
+        GreyArray::borrow(object, REFERENCE)?;
         Ok(Self(object.clone().unbind()))
     }
 }
@@ -89,7 +88,7 @@ impl ImageSource for ReferenceImage {
             let (width, height, pixels) = grey.pixels(REFERENCE)?;
             // The caller is on the threads meant for the check.
             let view = py.detach(|| ImageView::new(width, height, pixels).map(&mut *use_view));
-            view.map_err(|error| image_error(format!("{REFERENCE}: {error}")))
+            view.map_err(|error| image_error(error.to_string()))
         };
         Python::attach(view).map_err(|error: PyErr| error.to_string())
     }
@@ -134,7 +133,7 @@ pub(crate) fn interpolate_image<'py>(
     gradient: &str,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<f32>>)> {
     let grey = GreyArray::borrow(image, "image")?;
-    let view = grey.view(py, None, "image")?;
+    let view = grey.view(py, &SHARED, "image")?;
     let pixels = rows::<2>(pixels, "pixels", argument_error)?;
     let interpolation = Interpolation::from_str(interpolation).map_err(IntoPyErr::into_py_err)?;
     let gradient = Gradient::from_str(gradient).map_err(IntoPyErr::into_py_err)?;

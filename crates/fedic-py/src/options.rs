@@ -4,10 +4,8 @@ use fedic::{OptionError, OptionInfo, OptionKind, OptionValue, Options, SelfCalib
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString};
 
+use crate::arrays::representation;
 use crate::errors::option_error;
-
-/// Longest value that an error message shows, in characters.
-const LONGEST_VALUE: usize = 60;
 
 /// Options of a correlation from keyword arguments.
 pub(crate) fn correlation_options(arguments: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
@@ -72,11 +70,7 @@ fn refusal(error: OptionError, table: &[OptionInfo], argument: &Bound<'_, PyAny>
 fn shown(option: &str, argument: &Bound<'_, PyAny>) -> String {
     let number = argument.extract::<(String, Bound<'_, PyAny>)>().ok().filter(|_| option == "density");
     let value = number.map_or_else(|| argument.clone(), |(_, number)| number);
-    let text = value.repr().map_or_else(|_| "an object without representation".to_owned(), |text| text.to_string());
-    if text.chars().count() <= LONGEST_VALUE {
-        return text;
-    }
-    text.chars().take(LONGEST_VALUE - 3).chain("...".chars()).collect()
+    representation(&value)
 }
 
 /// Checks the options of a correlation.

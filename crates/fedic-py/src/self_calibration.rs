@@ -13,7 +13,7 @@ use crate::errors::{argument_error, option_error};
 use crate::image::GreyArray;
 use crate::mesh::any_mesh;
 use crate::options::specimen_options;
-use crate::worker::run_on;
+use crate::worker::{SHARED, run_on};
 
 /// Estimates camera parameters from rigid motions of a specimen; see `fedic.calibrate_on_specimen`.
 ///
@@ -47,11 +47,15 @@ pub(crate) fn calibrate_on_specimen(
     let name = |index: usize| if index == 0 { "the reference image".to_owned() } else { format!("image {index}") };
     let borrowed = images.iter().enumerate().map(|(index, image)| GreyArray::borrow(image, &name(index)));
     let borrowed = borrowed.collect::<PyResult<Vec<_>>>()?;
-    let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
-    let views = borrowed.iter().enumerate().map(|(index, image)| image.view(py, pool.as_ref(), &name(index)));
-    let views = views.collect::<PyResult<Vec<_>>>()?;
+    let views = {
+        let own = options.num_threads.map(|number| ThreadPool::new(Some(number)));
+        let threads = own.as_ref().unwrap_or(&SHARED);
+        let views = borrowed.iter().enumerate().map(|(index, image)| image.view(py, threads, &name(index)));
+        views.collect::<PyResult<Vec<_>>>()?
+    };
     let count = parameters.len();
-    let found = run_on(py, pool.as_ref(), progress, move |monitor| {
+    let shared = options.num_threads.is_none().then_some(&SHARED);
+    let found = run_on(py, shared, progress, move |monitor| {
         let (camera, parameters, translations) = (&camera, &parameters, &translations);
         let input = SpecimenImages { images: &views, mesh, camera, parameters, translations };
         fedic::calibrate_on_specimen_with(&input, &options, monitor)

@@ -15,7 +15,7 @@ use crate::errors::{IntoPyErr, internal_error};
 const TICK: Duration = Duration::from_millis(50);
 
 /// Threads of all work that does not have its own.
-static SHARED: ThreadPool = ThreadPool::new(None);
+pub(crate) static SHARED: ThreadPool = ThreadPool::new(None);
 
 struct Channel {
     cancelled: AtomicBool,
@@ -39,19 +39,15 @@ pub(crate) fn run<T: Send>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&dyn Monitor) -> Result<T, Error> + Send,
 ) -> PyResult<T> {
-    run_on(py, None, progress, work)
+    run_on(py, Some(&SHARED), progress, work)
 }
 
-/// Runs short work on the threads of `pool`, or on the shared ones, without the interpreter lock.
-pub(crate) fn run_briefly<T: Send>(
-    py: Python<'_>,
-    pool: Option<&ThreadPool>,
-    work: impl FnOnce() -> T + Send,
-) -> PyResult<T> {
-    py.detach(|| pool.unwrap_or(&SHARED).install(work)).map_err(IntoPyErr::into_py_err)
+/// Runs short work on the threads of `pool` without the interpreter lock.
+pub(crate) fn run_briefly<T: Send>(py: Python<'_>, pool: &ThreadPool, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    py.detach(|| pool.install(work)).map_err(IntoPyErr::into_py_err)
 }
 
-/// Runs `work` on the threads of `pool`, or on the shared ones, without the interpreter lock.
+/// Runs `work` on the threads of `pool` without the interpreter lock; without a pool the work has threads of its own.
 ///
 /// Meanwhile this thread looks for signals and hands every step on to the Python function `progress(stage, level,
 /// iteration, correction, residual_rms)`. An exception in either stops the work and is raised.
@@ -71,7 +67,10 @@ pub(crate) fn run_on<T: Send>(
             let worker = Builder::new().spawn_scoped(scope, move || {
                 // Dropped when the work ends, however it ends.
                 let _done = done;
-                pool.unwrap_or(&SHARED).install(|| work(monitor))?
+                match pool {
+                    Some(pool) => pool.install(|| work(monitor))?,
+                    None => work(monitor),
+                }
             });
             let worker = worker.map_err(|error| {
                 internal_error(format!("no thread can be started ({error}); close other programs, or raise the limit"))

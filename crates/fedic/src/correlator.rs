@@ -38,8 +38,8 @@ const COMPACT_DOFS: usize = 10_000;
 /// Largest image, in pixels, whose buffer is kept for the next frame. Larger buffers are returned to the system between frames.
 const MAX_KEPT_PIXELS: usize = 1 << 24;
 
-/// Memory of the mesh, the matrix and the sums of each node at the least, in bytes.
-const BYTES_PER_NODE: usize = 512;
+/// Memory of each node at the least, in bytes: of the mesh, the matrix, its factor and the sums. With the points 1800 are usual.
+const BYTES_PER_NODE: usize = 1024;
 
 /// Start of the iterations.
 ///
@@ -104,8 +104,7 @@ impl Correlator {
     /// # Errors
     ///
     /// [`Error`] if an option is out of its range, the camera does not see the mesh from its front, the mesh leaves the image, the
-    /// image is flat, or it does not determine the
-    /// displacement of every node.
+    /// image is flat, or it does not determine the displacement of every node.
     pub fn new(
         reference: Arc<dyn ImageSource>,
         mesh: &Mesh,
@@ -132,9 +131,9 @@ impl Correlator {
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         options.check()?;
-        check_visibility(mesh, camera.as_ref())?;
         let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
         let prepare = |view: ImageView<'_>| {
+            check_visibility(mesh, camera.as_ref())?;
             let size = [view.width(), view.height()];
             if let Some(mask) = mask
                 && mask.len() != size[0] * size[1]

@@ -18,7 +18,6 @@ const ATTEMPTS: usize = 1000;
 ///
 /// The threads of a process do not exist in a process forked from it: work given to them there would never end. The pool starts new
 /// ones in each process.
-#[derive(Default)]
 pub struct ThreadPool {
     num_threads: Option<usize>,
     started: Mutex<Option<Started>>,

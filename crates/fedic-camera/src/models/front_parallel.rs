@@ -1,5 +1,6 @@
 //! The fronto-parallel view of the paper's Sect. 4.
 
+use super::check_scale;
 use crate::{Camera, CameraError, Resizable};
 
 /// Fronto-parallel view without distortion: `u = u0 + k X`, `v = v0 - k Y` (paper, eq. 18).
@@ -32,15 +33,7 @@ impl FrontParallel {
     /// # Ok::<(), fedic_camera::CameraError>(())
     /// ```
     pub fn new(scale: f64, origin: [f64; 2]) -> Result<Self, CameraError> {
-        if !origin.iter().all(|c| c.is_finite()) {
-            return Err(CameraError::NonFinite { parameter: "origin" });
-        }
-        if !scale.is_finite() {
-            return Err(CameraError::NonFinite { parameter: "scale" });
-        }
-        if scale <= 0.0 {
-            return Err(CameraError::NotPositive { parameter: "scale (pixels per unit)", value: scale });
-        }
+        check_scale(scale, origin, "scale (pixels per unit)")?;
         Ok(Self { scale, origin, angle: 0.0, scaled_rotation: [scale, 0.0], image_size: None })
     }
 

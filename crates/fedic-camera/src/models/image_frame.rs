@@ -1,5 +1,6 @@
 //! The camera of a mesh drawn in pixels.
 
+use super::check_scale;
 use crate::{Camera, CameraError, Resizable};
 
 /// The camera of a mesh drawn in the pixels of an image: `u = X`, `v = Y` for every `Z`.
@@ -30,15 +31,7 @@ impl ImageFrame {
     ///
     /// [`CameraError`] if the scale is not positive or a parameter is not finite.
     pub fn new(scale: f64, origin: [f64; 2]) -> Result<Self, CameraError> {
-        if !origin.iter().all(|c| c.is_finite()) {
-            return Err(CameraError::NonFinite { parameter: "origin" });
-        }
-        if !scale.is_finite() {
-            return Err(CameraError::NonFinite { parameter: "scale" });
-        }
-        if scale <= 0.0 {
-            return Err(CameraError::NotPositive { parameter: "scale", value: scale });
-        }
+        check_scale(scale, origin, "scale")?;
         Ok(Self { scale, origin, image_size: None })
     }
 

@@ -3,12 +3,13 @@
 use fedic::Resizable;
 use pyo3::prelude::*;
 
+use crate::arrays::representation;
 use crate::errors::{IntoPyErr, option_error};
 
 /// A number of pixels.
 fn pixels(object: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
     object.extract().map_err(|_| {
-        let given = object.repr().map_or_else(|_| "another object".to_owned(), |text| text.to_string());
+        let given = representation(object);
         option_error(format!("{name} must be a whole number of pixels, 0 or more, got {given}"), name)
     })
 }
@@ -17,8 +18,8 @@ fn pixels(object: &Bound<'_, PyAny>, name: &str) -> PyResult<u32> {
 pub(super) fn with_image_size<C: Resizable>(camera: C, size: Option<&Bound<'_, PyAny>>) -> PyResult<C> {
     let Some(size) = size else { return Ok(camera) };
     let size: [u32; 2] = size.extract().map_err(|_| {
-        let given = size.repr().map_or_else(|_| "another object".to_owned(), |text| text.to_string());
-        let message = format!("image_size must be (width, height), two whole numbers of pixels, got {given}");
+        let message =
+            format!("image_size must be (width, height), two whole numbers of pixels, got {}", representation(size));
         option_error(message, "image_size")
     })?;
     camera.with_image_size(Some(size)).map_err(IntoPyErr::into_py_err)

@@ -118,8 +118,8 @@ pub enum Error {
         /// Whether pixels are masked.
         masked: bool,
     },
-    /// The reference image is needed again and cannot be viewed.
-    #[error("the reference image cannot be read again: {reason}")]
+    /// The reference image cannot be viewed.
+    #[error("the reference image cannot be used: {reason}")]
     ReferenceUnavailable {
         /// The reason given by its source.
         reason: String,

@@ -3,6 +3,7 @@
 use fedic_camera::Camera;
 use fedic_mesh::{Mesh, jacobian, map};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2, RowVector3, Vector3};
+use rayon::prelude::*;
 
 use crate::Error;
 
@@ -18,66 +19,64 @@ const GRAZING: f64 = 0.1;
 /// [`Error::EdgeOn`] if the surface is vertical, or the camera looks along it or along a direction of the measured motion;
 /// [`Error::HiddenCells`] if cells face away from the camera.
 pub(crate) fn check_visibility(mesh: &Mesh, camera: &dyn Camera) -> Result<(), Error> {
-    let mut sums = Sums::default();
-    let mut facing = Vec::with_capacity(mesh.num_cells());
-    for index in 0..mesh.num_cells() {
-        let cell = mesh.cell(index).cell_type;
-        let centre = cell.reference_centre();
-        let nodes = mesh.cell_points(index);
-        let tangents = jacobian(cell, &nodes, centre);
-        let [along_xi, along_eta] = [0, 1].map(|k| Vector3::from(tangents.map(|row| row[k])));
-        let normal = along_xi.cross(&along_eta);
-        let point = map(cell, &nodes, centre);
-        let (pixel, [du, dv]) = camera.project_with_jacobian(point);
-        let projection = Matrix2x3::from_rows(&[RowVector3::from(du), RowVector3::from(dv)]);
-        let tangents = Matrix3x2::from_columns(&[along_xi.normalize(), normal.cross(&along_xi).normalize()]);
-        let along_surface = conformity(&(projection * tangents));
-        let along_axes = conformity(&projection.fixed_columns::<2>(0).into_owned());
-        if !(pixel[0].is_finite() && along_surface.is_finite() && along_axes.is_finite()) {
-            facing.push(0.0);
-            continue;
-        }
-        let area = normal.norm();
-        facing.push(along_surface);
-        sums.area += area;
-        sums.level += normal.z.abs();
-        sums.seen += area * along_surface.abs();
-        sums.signed += area * along_surface;
-        sums.along_axes += area * along_axes.abs();
-        // The null vector of the Jacobian points away from the camera: u runs to the right and v down.
-        let view = projection.row(0).cross(&projection.row(1)).normalize();
-        sums.depth += area * along_surface * view.transpose().dot(&Vector3::from(point));
-    }
-    let grazes = |sum: f64| sum < GRAZING * sums.area;
-    if grazes(sums.level) || grazes(sums.seen) || grazes(sums.along_axes) {
-        return Err(Error::EdgeOn { vertical: grazes(sums.level) });
+    let num_cells = mesh.num_cells();
+    let views: Vec<Option<CellView>> = (0..num_cells).into_par_iter().map(|cell| view_of(mesh, cell, camera)).collect();
+    // Sums over the cells, each weighted by its area.
+    let sum = |of: fn(&CellView) -> f64| views.iter().flatten().map(|view| view.area * of(view)).sum::<f64>();
+    let area = sum(|_| 1.0);
+    let grazes = |of| sum(of) < GRAZING * area;
+    let vertical = grazes(|view| view.level);
+    if vertical || grazes(|view| view.along_surface.abs()) || grazes(|view| view.along_axes.abs()) {
+        return Err(Error::EdgeOn { vertical });
     }
     // Most of the surface is seen from its front; of a closed one, the nearer half.
-    let front = if sums.signed.abs() > GRAZING * sums.seen { sums.signed } else { -sums.depth };
-    let cells: Vec<usize> = (0..mesh.num_cells()).filter(|&cell| facing[cell] * front < 0.0).collect();
-    if cells.is_empty() { Ok(()) } else { Err(Error::HiddenCells { cells, num_cells: mesh.num_cells() }) }
+    let front = sum(|view| view.along_surface);
+    let is_closed = front.abs() <= GRAZING * sum(|view| view.along_surface.abs());
+    let front = if is_closed { -sum(|view| view.along_surface * view.depth) } else { front };
+    let is_hidden = |&cell: &usize| views[cell].as_ref().is_some_and(|view| view.along_surface * front < 0.0);
+    let cells: Vec<usize> = (0..num_cells).filter(is_hidden).collect();
+    if cells.is_empty() { Ok(()) } else { Err(Error::HiddenCells { cells, num_cells }) }
+}
+
+/// How a camera sees a cell, at its centre.
+struct CellView {
+    area: f64,
+    /// Part of the normal along `z`.
+    level: f64,
+    /// How well motions along the surface are seen, with the sign of the side that is seen.
+    along_surface: f64,
+    /// How well motions along `x` and `y` are seen.
+    along_axes: f64,
+    /// Distance along the line of sight.
+    depth: f64,
+}
+
+/// How a camera sees a cell; `None` if it projects to no finite image point.
+fn view_of(mesh: &Mesh, index: usize, camera: &dyn Camera) -> Option<CellView> {
+    let (cell, nodes) = (mesh.cell(index).cell_type, mesh.cell_points(index));
+    let centre = cell.reference_centre();
+    let (point, tangents) = (map(cell, &nodes, centre), jacobian(cell, &nodes, centre));
+    let [along_xi, along_eta] = [0, 1].map(|k| Vector3::from(tangents.map(|row| row[k])));
+    let normal = along_xi.cross(&along_eta);
+    let (pixel, [du, dv]) = camera.project_with_jacobian(point);
+    let projection = Matrix2x3::from_rows(&[RowVector3::from(du), RowVector3::from(dv)]);
+    let tangents = Matrix3x2::from_columns(&[along_xi.normalize(), normal.cross(&along_xi).normalize()]);
+    // The null vector of the Jacobian points away from the camera: u runs to the right and v down.
+    let sight = Vector3::from(du).cross(&Vector3::from(dv)).normalize();
+    let view = CellView {
+        area: normal.norm(),
+        level: normal.z.abs() / normal.norm(),
+        along_surface: conformity(&(projection * tangents)),
+        along_axes: conformity(&projection.fixed_columns::<2>(0).into_owned()),
+        depth: sight.dot(&Vector3::from(point)),
+    };
+    (pixel[0].is_finite() && view.along_surface.is_finite() && view.along_axes.is_finite()).then_some(view)
 }
 
 /// How nearly a linear map of the plane keeps all directions: 1 if it keeps angles, -1 if it also mirrors, 0 if it maps the plane to
 /// a line.
 fn conformity(map: &Matrix2<f64>) -> f64 {
     2.0 * map.determinant() / map.norm_squared()
-}
-
-/// Sums over the cells, each weighted by its area.
-#[derive(Default)]
-struct Sums {
-    area: f64,
-    /// Parts of the normals along `z`.
-    level: f64,
-    /// How well motions along the surface are seen.
-    seen: f64,
-    /// The same, with the sign of the side that is seen.
-    signed: f64,
-    /// How well motions along `x` and `y` are seen.
-    along_axes: f64,
-    /// Distances along the line of sight, with the signs of `signed`.
-    depth: f64,
 }
 
 #[cfg(test)]
