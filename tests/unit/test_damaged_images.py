@@ -117,7 +117,7 @@ def test_damaged_lzw_is_refused_unless_it_decodes_to_the_same_length(tmp_path: P
             continue
         accepted += 1
         assert len(imagecodecs.lzw_decode(bytes(strip))) == G8.size
-    assert accepted < 120
+    assert accepted < 80  # docs/images.md: three of five are found
 
 
 def test_tiff_that_holds_another_type_than_it_states_is_refused(tmp_path: Path) -> None:
