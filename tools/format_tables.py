@@ -43,14 +43,12 @@ def subjects() -> Iterator[ModuleType]:
     """Yield the modules of the tables in their order."""
     for subject in SUBJECTS:
         path = ROOT / "tools" / "formats" / f"{subject}.py"
-        if path.exists():
-            spec = importlib.util.spec_from_file_location(f"format_table_of_{subject}", path)
-            assert spec is not None
-            assert spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            sys.modules[spec.name] = module
-            spec.loader.exec_module(module)
-            yield module
+        spec = importlib.util.spec_from_file_location(f"format_table_of_{subject}", path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        yield module
 
 
 def page() -> str:

@@ -3,7 +3,12 @@
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["FILES", "FiniteElementFile"]
+import numpy as np
+
+import fedic
+from scenes.refusal import refusal
+
+__all__ = ["FILES", "FiniteElementFile", "outcome"]
 
 
 class FiniteElementFile(NamedTuple):
@@ -38,6 +43,18 @@ class FiniteElementFile(NamedTuple):
         for name, text in {self.name: self.text, **self.beside}.items():
             (folder / name).write_bytes(text.encode(self.encoding if name == self.name else "utf-8"))
         return folder / self.name
+
+
+def outcome(file: FiniteElementFile, folder: Path) -> str:
+    """Write and read a file; return ``"read"``, or ``"refused: "`` with the reason, or fail if it should be another."""
+    path = file.write(folder)
+    if file.refused:
+        reason = refusal(fedic.read_mesh, str(path))
+        assert file.refused in reason, f"{file.program}, {file.variant}: {reason}"
+        return f"refused: {file.refused}"
+    areas = fedic.read_mesh(path).areas()
+    assert np.isclose(areas.sum(), 200.0, rtol=1e-12), f"{file.program}, {file.variant}: {areas}"
+    return "read"
 
 
 POINTS = ((0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (20.0, 0.0), (20.0, 10.0))

@@ -2,7 +2,6 @@
 
 import os
 import struct
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import fedic
 from scenes.images import tiff_writer
 from scenes.images.catalogue import variants
 from scenes.images.levels import C8, G8, G16
+from scenes.images.png_writer import png
 from scenes.images.variant import Variant
 
 READ = [variant for variant in variants() if variant.truth is not None]
@@ -117,7 +117,7 @@ def test_damaged_lzw_is_refused_unless_it_decodes_to_the_same_length(tmp_path: P
             continue
         accepted += 1
         assert len(imagecodecs.lzw_decode(bytes(strip))) == G8.size
-    assert accepted < 120
+    assert accepted < 80  # docs/images.md: three of five are found
 
 
 def test_tiff_that_holds_another_type_than_it_states_is_refused(tmp_path: Path) -> None:
@@ -170,15 +170,6 @@ def test_a_stack_of_metamorph_lists_one_directory_for_all_planes(tmp_path: Path)
         np.testing.assert_array_equal(fedic.read_image(f"{tmp_path / 'image.stk'}#{number}"), plane)
 
 
-def png(width: int, height: int, rows: bytes, extra: bytes = b"") -> bytes:
-    def chunk(kind: bytes, content: bytes) -> bytes:
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
-    animation = chunk(b"acTL", extra) if extra else b""
-    return b"\x89PNG\r\n\x1a\n" + header + animation + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
-
-
 def test_images_that_would_decode_to_more_than_4_gib_are_refused_before_decoding(tmp_path: Path) -> None:
     limit = "more than the 4 GiB"
     refused(tmp_path, png(100_000, 100_000, b""), limit, "image.png")
@@ -209,7 +200,7 @@ def test_images_without_pixels_and_animations_are_refused(tmp_path: Path) -> Non
     np.save(tmp_path / "none.npy", np.zeros((0, 5), np.uint8))
     refused(tmp_path, (tmp_path / "none.npy").read_bytes(), "no pixels", "none.npy")
     rows = b"".join(b"\0" + row.tobytes() for row in G8)
-    refused(tmp_path, png(61, 45, rows, struct.pack(">II", 2, 0)), "animated PNG", "image.png")
+    refused(tmp_path, png(61, 45, rows, animation=struct.pack(">II", 2, 0)), "animated PNG", "image.png")
     frames = imagecodecs.webp_encode(np.dstack([G8] * 3), lossless=True)
     animated = b"RIFF" + struct.pack("<I", 26) + b"WEBPVP8X" + struct.pack("<I", 10) + b"\x02" + bytes(9) + frames
     refused(tmp_path, animated, "animated WebP", "image.webp")

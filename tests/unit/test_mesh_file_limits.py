@@ -139,14 +139,14 @@ def test_a_library_that_does_not_end_is_ended(tmp_path: Path) -> None:
     path.write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     assert fedic.read_mesh(path).num_cells == 1
     with pytest.raises(fedic.MeshError, match=r"plate\.off: .*did not read it within 0 s"):
-        read_in_process("meshio", path, seconds=0.0)
+        read_in_process("_meshio", "read_with_meshio", path, seconds=0.0)
 
 
 def test_a_library_that_ends_the_process_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "plate.off"
     path.write_text("OFF\n")
     with pytest.raises(fedic.MeshError, match=r"plate\.off: .*the library ended with code 1"):
-        read_in_process("there is no such reader", path)
+        read_in_process("hdf", "there is no such reader", path)
 
 
 @pytest.mark.filterwarnings("default::fedic.QualityWarning")

@@ -62,14 +62,14 @@ def test_what_is_not_a_text_file_is_refused(tmp_path: Path) -> None:
         load_toml(tmp_path / "nothing.toml", fedic.ConfigError, "camera")
     binary = tmp_path / "binary.toml"
     binary.write_bytes(bytes(range(256)))
-    with pytest.raises(fedic.ConfigError, match=r"not a valid TOML file|not text|zero bytes"):
+    with pytest.raises(fedic.ConfigError, match="it holds zero bytes"):
         load_toml(binary, fedic.ConfigError, "configuration")
     large = tmp_path / "large.toml"
     with large.open("wb") as file:
         file.truncate(2**25)
     with pytest.raises(fedic.ConfigError, match="has at most"):
         load_toml(large, fedic.ConfigError, "configuration")
-    with pytest.raises(fedic.ConfigError, match=r"cannot be read|no such"):
+    with pytest.raises(fedic.ConfigError, match=r"cannot be read .*too long"):
         load_toml(tmp_path / ("a" * 300), fedic.ConfigError, "configuration")
-    with pytest.raises(fedic.ConfigError, match=r"cannot be read|no such"):
+    with pytest.raises(fedic.ConfigError, match=r"cannot be read .*null"):
         load_toml(Path(f"{tmp_path}/a\0b"), fedic.ConfigError, "configuration")

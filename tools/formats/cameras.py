@@ -1,13 +1,12 @@
 """The table of camera files in docs/formats.md, from files that are written and read."""
 
-import importlib
-import sys
 from pathlib import Path
+
+from scenes.camera_files import FILES
+from scenes.camera_files.camera_file import outcome
 
 TITLE = "Cameras"
 COLUMNS = ("program", "file", "convention", "outcome", "by")
-
-_TESTS = Path(__file__).resolve().parents[2] / "tests"
 
 
 def rows(folder: Path) -> list[tuple[str, ...]]:
@@ -28,10 +27,4 @@ def rows(folder: Path) -> list[tuple[str, ...]]:
     AssertionError
         If a camera is read wrong, or a file is not refused with the reason that it should be.
     """
-    sys.path.insert(0, str(_TESTS))
-    try:
-        files = importlib.import_module("scenes.camera_files").FILES
-        outcome = importlib.import_module("scenes.camera_files.camera_file").outcome
-    finally:
-        sys.path.remove(str(_TESTS))
-    return [(each.program, each.name, each.convention, outcome(each, folder), each.by) for each in files]
+    return [(each.program, each.name, each.convention, outcome(each, folder), each.by) for each in FILES]

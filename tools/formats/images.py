@@ -7,6 +7,7 @@ import numpy as np
 import fedic
 from scenes.images.catalogue import variants
 from scenes.images.variant import Variant
+from scenes.refusal import refusal
 
 TITLE = "Images"
 COLUMNS = ("format", "variant", "outcome", "by")
@@ -40,16 +41,8 @@ def _outcome(variant: Variant, path: Path) -> str:
     variant.write(path)
     name = f"{path}{variant.page}"
     if variant.truth is None:
-        assert variant.refusal in (reason := _refusal(name)), f"{variant}: {reason}"
+        assert variant.refusal in (reason := refusal(fedic.read_image, name)), f"{variant}: {reason}"
         return f"refused: {variant.refusal}"
     image = fedic.read_image(name)
     np.testing.assert_allclose(image, variant.truth, rtol=0, atol=variant.tolerance, err_msg=str(variant))
     return f"read as {image.dtype}" + (f", to {variant.tolerance:g} levels" if variant.tolerance else "")
-
-
-def _refusal(name: str) -> str:
-    try:
-        fedic.read_image(name)
-    except fedic.ImageError as error:
-        return str(error)
-    return "it was read"

@@ -5,6 +5,7 @@ from pathlib import Path
 import fedic
 from scenes.meshes.variant import Variant, check
 from scenes.meshes.variants import VARIANTS
+from scenes.refusal import refusal
 
 TITLE = "Meshes"
 COLUMNS = ("format", "variant", "outcome", "by")
@@ -40,13 +41,5 @@ def _outcome(variant: Variant, folder: Path) -> str:
     if not variant.refusal:
         check(variant, fedic.read_mesh(name))
         return "read"
-    assert variant.refusal in (reason := _refusal(name)), f"{variant}: {reason}"
+    assert variant.refusal in (reason := refusal(fedic.read_mesh, name)), f"{variant}: {reason}"
     return f"refused: {variant.refusal}"
-
-
-def _refusal(name: str) -> str:
-    try:
-        fedic.read_mesh(name)
-    except fedic.MeshError as error:
-        return str(error)
-    return "it was read"

@@ -15,7 +15,7 @@ Indices = NDArray[np.int64]
 Block = tuple[str, Indices]
 """Name of a type of cells, and the nodes of its cells, shape (m, k)."""
 
-_SURFACE_FAMILIES = ("triangle", "quad", "polygon", "VTK_LAGRANGE_TRI", "VTK_LAGRANGE_QUAD")
+_SURFACE_FAMILIES = ("triangle", "quad", "polygon")
 
 
 @dataclass

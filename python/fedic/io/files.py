@@ -59,11 +59,7 @@ def read_start(path: Path, count: int, error: type[FedicError] = FedicError, wha
         All of a file that is not larger.
     """
     check_file(path, error, what)
-    try:
-        with path.open("rb") as file:
-            return file.read(count)
-    except OSError as fault:
-        raise error(f"{path}: the {what} cannot be read ({fault.strerror or fault}).") from fault
+    return _read(path, count, error, what)
 
 
 def read_bytes(path: Path, limit: int, error: type[FedicError] = FedicError, what: str = "file") -> bytes:
@@ -87,7 +83,15 @@ def read_bytes(path: Path, limit: int, error: type[FedicError] = FedicError, wha
         As for `check_file`.
     """
     check_file(path, error, what, limit)
-    content = read_start(path, limit + 1, error, what)
+    content = _read(path, limit + 1, error, what)
     if len(content) > limit:
         raise error(f"{path}: the {what} has more than {limit} bytes, the most for one of this kind.")
     return content
+
+
+def _read(path: Path, count: int, error: type[FedicError], what: str) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(count)
+    except OSError as fault:
+        raise error(f"{path}: the {what} cannot be read ({fault.strerror or fault}).") from fault

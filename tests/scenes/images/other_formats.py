@@ -11,7 +11,9 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from scenes.images.levels import C8, C16, F32, G1, G8, G12, G16, ROUNDING, luminance
+from scenes.images import tiff_writer
+from scenes.images.levels import C8, C16, F32, G1, G8, G12, G16, ROUNDING, grey, luminance
+from scenes.images.png_writer import png
 from scenes.images.variant import Variant, stored
 
 
@@ -95,6 +97,12 @@ def others() -> Iterator[Variant]:
             ROUNDING,
         )
     yield from _by_pillow()
+    for bits in (2, 4):
+        highest = 2**bits - 1
+        image = grey(np.uint8, highest)
+        rows = b"".join(b"\0" + tiff_writer.raw(row[None], bits, ">") for row in image)
+        content = png(image.shape[1], image.shape[0], rows, bits=bits)
+        yield Variant("PNG", f"{bits} bit", ".png", stored(content), image * (255 // highest), library="OpenCV")
     yield opencv("8 bit", ".bmp", G8)
     yield opencv("24-bit RGB", ".bmp", C8, ROUNDING)
     yield opencv("8 bit", ".jpg", G8, 4, IMWRITE_JPEG_QUALITY=100)
@@ -183,6 +191,7 @@ def _by_pillow() -> Iterator[Variant]:
     palette.putpalette(np.repeat(ramp, 3).tobytes())
     cmyk = PIL.Image.fromarray(np.stack([~G8, ~G8, ~G8, G8 * 0], axis=2), "CMYK")
     both = PIL.Image.fromarray(np.stack([G8, G8 // 2], axis=2), "LA")
+    opaque = PIL.Image.fromarray(np.stack([G8, G8, G8, ~G8], axis=2), "RGBA")
     black_white = PIL.Image.fromarray(G1)
     grey_image = PIL.Image.fromarray(G8)
     for form, name, picture, truth, tolerance, options in (
@@ -192,6 +201,7 @@ def _by_pillow() -> Iterator[Variant]:
         ("PNG", "EXIF orientation 6", grey_image, G8, 0, {"exif": turned}),
         ("BMP", "1 bit", black_white, G1 * np.uint8(255), 0, {}),
         ("BMP", "grey palette", palette, G8, 0, {}),
+        ("BMP", "32 bit", opaque, G8, 0, {}),
         ("JPEG", "EXIF orientation 6", grey_image, G8, 4, {"quality": 100, "exif": turned}),
         ("JPEG", "CMYK", cmyk, G8, 6, {"quality": 100}),
         ("WebP", "EXIF orientation 6", grey_image, G8, ROUNDING, {"lossless": True, "exif": turned}),

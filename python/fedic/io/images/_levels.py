@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from fedic._internal.types import Image
 from fedic.errors import ImageError
 
-__all__ = ["as_levels", "luminance"]
+__all__ = ["luminance"]
 
 _EXACT_FLOAT = 1 << 24
 """Integers up to this one are exact in single precision."""
 
 
-def as_levels(samples: NDArray[Any]) -> NDArray[Any]:
+def _as_levels(samples: NDArray[Any]) -> NDArray[Any]:
     """Convert samples to a type of grey levels.
 
     Parameters
@@ -79,8 +79,7 @@ def luminance(samples: NDArray[Any]) -> Image:
         samples = samples[:, :, 0] if samples.shape[2] < 3 else samples[:, :, :3]
     elif samples.ndim != 2:
         raise ImageError(f"the image has shape {samples.shape}; save it as grey or RGB.")
-    levels = as_levels(samples)
-    levels = np.ascontiguousarray(levels)
+    levels = np.ascontiguousarray(_as_levels(samples))
     if levels.ndim == 3:
         import cv2
 

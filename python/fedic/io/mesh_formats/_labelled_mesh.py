@@ -32,7 +32,7 @@ class Numbering:
     Parameters
     ----------
     labels : ndarray of int, shape (n,)
-        The numbers, each once.
+        The numbers; the place of one that is there several times is its first.
     """
 
     def __init__(self, labels: Labels) -> None:

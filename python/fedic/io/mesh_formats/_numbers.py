@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["integer", "label", "numbers_of", "real", "shown"]
+__all__ = ["checked_label", "integer", "label", "numbers_of", "real", "shown"]
 
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]([+-]?\d+)|([+-]\d+))?", re.ASCII)
 _INTEGER = re.compile(r"[+-]?\d+", re.ASCII)
@@ -90,9 +90,31 @@ def label(text: str) -> int:
     ValueError
         If the text is no positive whole number or the number is too large.
     """
-    value = integer(text)
+    return checked_label(integer(text))
+
+
+def checked_label(value: int) -> int:
+    """Return the number of a node or an element, which has been computed.
+
+    Parameters
+    ----------
+    value : int
+        The number.
+
+    Returns
+    -------
+    int
+        The same number.
+
+    Raises
+    ------
+    ValueError
+        If the number is not positive or too large.
+    """
     if value <= 0:
-        raise ValueError(f"{shown(text)} is not the number of a node or an element, which is positive")
+        raise ValueError(f"{shown(str(value))} is not the number of a node or an element, which is positive")
+    if value > _LARGEST:
+        raise ValueError(f"{shown(str(value))} is too large a number")
     return value
 
 

@@ -22,15 +22,9 @@ from fedic.io._mesh_file import MeshFile, unreadable
 
 __all__ = ["read_in_folder", "read_in_process"]
 
-_READERS = {
-    "exodus": ("fedic.io.mesh_formats.hdf", "read_exodus"),
-    "med": ("fedic.io.mesh_formats.hdf", "read_med"),
-    "meshio": ("fedic.io.mesh_formats._meshio", "read_with_meshio"),
-    "xdmf": ("fedic.io.mesh_formats.hdf", "read_xdmf"),
-}
 _PROGRAM = (
-    "import sys; sys.path[:] = sys.argv[4:]; from fedic.io.mesh_formats._process import read_in_folder; "
-    "read_in_folder(*sys.argv[1:4])"
+    "import sys; sys.path[:] = sys.argv[5:]; from fedic.io.mesh_formats._process import read_in_folder; "
+    "read_in_folder(*sys.argv[1:5])"
 )
 _BESIDE = dict.fromkeys((".xdmf", ".xmf"), (".h5", ".hdf5", ".bin"))
 _SECONDS, _SECONDS_PER_MEGABYTE = 60.0, 1.0
@@ -38,13 +32,13 @@ _BYTES, _BYTES_PER_BYTE = 4 << 30, 50
 """Limits of time and memory of the process: for any file, and for each byte of it."""
 
 
-def read_in_process(reader: str, path: Path, seconds: float | None = None) -> MeshFile:
+def read_in_process(module: str, name: str, path: Path, seconds: float | None = None) -> MeshFile:
     """Read a mesh file in another process, which ends at a limit of time or memory.
 
     Parameters
     ----------
-    reader : str
-        Name of the reader.
+    module, name : str
+        Module of the reader in this package, and its name there.
     path : Path
         The file.
     seconds : float, optional
@@ -62,7 +56,7 @@ def read_in_process(reader: str, path: Path, seconds: float | None = None) -> Me
     """
     limit = _SECONDS + _SECONDS_PER_MEGABYTE * _size(path) / 2**20 if seconds is None else seconds
     with tempfile.TemporaryDirectory(prefix="fedic-") as folder:
-        command = [sys.executable, "-c", _PROGRAM, reader, str(path.resolve()), folder, *sys.path]
+        command = [sys.executable, "-c", _PROGRAM, module, name, str(path.resolve()), folder, *sys.path]
         try:
             ended = subprocess.run(command, capture_output=True, timeout=limit, check=False)
         except subprocess.TimeoutExpired as error:
@@ -132,18 +126,19 @@ def _limit_memory(path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
 
 
-def read_in_folder(reader: str, file: str, folder: str) -> None:
+def read_in_folder(module: str, name: str, file: str, folder: str) -> None:
     """Read a mesh file, and leave the contents or a message in a folder: what the other process does.
 
     Parameters
     ----------
-    reader, file, folder : str
-        Name of the reader and paths.
+    module, name : str
+        As for `read_in_process`.
+    file, folder : str
+        Paths.
     """
     path = Path(file)
     _limit_memory(path)
-    module, function = _READERS[reader]
-    read: Callable[[Path], MeshFile] = getattr(import_module(module), function)
+    read: Callable[[Path], MeshFile] = getattr(import_module(f"fedic.io.mesh_formats.{module}"), name)
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):

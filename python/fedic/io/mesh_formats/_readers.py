@@ -31,13 +31,13 @@ def _of(package: str, name: str) -> Reader:
 _ABAQUS, _ANSYS, _NASTRAN = _of("abaqus", "read_abaqus"), _of("ansys", "read_ansys"), _of("nastran", "read_nastran")
 _XML_VTK = _of("vtk", "read_xml_vtk")
 _READERS: dict[str, Reader] = {
-    **dict.fromkeys(FORMATS, partial(read_in_process, "meshio")),
+    **dict.fromkeys(FORMATS, partial(read_in_process, "_meshio", "read_with_meshio")),
     **dict.fromkeys((".bdf", ".fem", ".nas"), _NASTRAN),
-    **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), partial(read_in_process, "exodus")),
-    **dict.fromkeys((".xdmf", ".xmf"), partial(read_in_process, "xdmf")),
+    **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), partial(read_in_process, "hdf", "read_exodus")),
+    **dict.fromkeys((".xdmf", ".xmf"), partial(read_in_process, "hdf", "read_xdmf")),
     ".cdb": _ANSYS,
     ".inp": _ABAQUS,
-    ".med": partial(read_in_process, "med"),
+    ".med": partial(read_in_process, "hdf", "read_med"),
     ".msh": _of("msh", "read_msh"),
     ".unv": _of("unv", "read_unv"),
     ".vtk": _of("vtk", "read_legacy_vtk"),

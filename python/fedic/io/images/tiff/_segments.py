@@ -120,13 +120,14 @@ def _check_length(page: "TiffPage", index: int, data: bytes) -> None:
         return
     import imagecodecs
 
+    expected = _expected_bytes(page, index)
     decode = imagecodecs.lzw_decode if page.compression == LZW else imagecodecs.packbits_decode
     try:
         # With room for one byte too many; without a limit, damaged data can end the process.
-        decoded = len(decode(data, out=max(_expected_bytes(page, index)) + 1))
+        decoded = len(decode(data, out=max(expected) + 1))
     except Exception as error:
         raise damaged(f"strip or tile {index} cannot be decoded ({error})") from error
-    if decoded not in (expected := _expected_bytes(page, index)):
+    if decoded not in expected:
         raise damaged(f"strip or tile {index} decodes to {decoded} bytes instead of {expected[0]}")
 
 

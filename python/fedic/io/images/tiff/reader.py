@@ -61,9 +61,10 @@ def read_tiff(path: Path, page: int | None, mapped: bool) -> Image:
         colours = colour_samples(chosen)
         check_compression(chosen)
         check_segments(chosen)
-        if not is_contiguous(chosen):
+        contiguous = is_contiguous(chosen)
+        if not contiguous:
             check_size(chosen.imagewidth, chosen.imagelength, chosen.samplesperpixel * max(chosen.dtype.itemsize, 1))
-        can_map = is_contiguous(chosen) and chosen.is_memmappable and colours == 1
+        can_map = contiguous and chosen.is_memmappable and colours == 1
         samples = read_samples(chosen, mapped=mapped and can_map and chosen.nbytes >= _MAPPED_BYTES)
         return grey_levels(chosen, samples)
 

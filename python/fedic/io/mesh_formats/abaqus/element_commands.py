@@ -4,13 +4,13 @@ import numpy as np
 
 from fedic._core import CELL_TYPES
 from fedic.io.mesh_formats._labelled_mesh import Element
-from fedic.io.mesh_formats._numbers import integer, label
+from fedic.io.mesh_formats._numbers import checked_label, integer, label
 from fedic.io.mesh_formats.abaqus.blocks import Block
 from fedic.io.mesh_formats.abaqus.container import Container
 from fedic.io.mesh_formats.abaqus.elements import ElementType, element_type
 from fedic.io.mesh_formats.abaqus.lines import Line, number_table
 from fedic.io.mesh_formats.abaqus.node_commands import add_set
-from fedic.io.mesh_formats.abaqus.sets import SetResolver
+from fedic.io.mesh_formats.abaqus.sets import members_so_far
 
 __all__ = ["copy_elements", "define_elements", "generate_elements"]
 
@@ -138,14 +138,9 @@ def copy_elements(container: Container, block: Block) -> None:
         If a parameter cannot be understood, or volume elements are reflected.
     """
     parameters = block.parameters
-    outer = container.kind == "ASSEMBLY"
     with block.line.reported("*ELCOPY"):
-        old, change = parameters.get("OLDSET", ""), integer(parameters.get("ELEMENTSHIFT", ""))
-        shift = integer(parameters.get("SHIFTNODES", ""))
-        resolver = SetResolver(container.mesh, container.sets)
-        if ("element", outer, old.upper()) not in resolver.blocks:
-            raise ValueError(f"the element set {old!r} is not defined before this line")
-        members, originals = [], resolver.members("element", old, outer).tolist()
+        change, shift = (integer(parameters.get(name, "")) for name in ("ELEMENTSHIFT", "SHIFTNODES"))
+        members, originals = [], members_so_far(container, "element", parameters.get("OLDSET", ""))
         container.budget.spend(len(originals))
         for each in originals:
             element = container.mesh.elements[each]
@@ -158,7 +153,6 @@ def copy_elements(container: Container, block: Block) -> None:
 
 def _add_shifted(container: Container, at: int, element: Element, shift: int) -> None:
     nodes = tuple(node + shift for node in element.nodes)
-    label(str(at))
-    label(str(min(nodes)))
-    label(str(max(nodes)))
+    for number in (at, min(nodes), max(nodes)):
+        checked_label(number)
     container.mesh.elements[at] = element._replace(nodes=nodes)

@@ -43,7 +43,7 @@ def number_table(lines: Sequence[Line], kind: type[_Number]) -> NDArray[_Number]
     Returns
     -------
     ndarray, shape (n, k), or None
-        One line per row. It is several times as fast as to read item by item.
+        One line per row. It is faster than to read item by item.
     """
     if not lines:
         return None

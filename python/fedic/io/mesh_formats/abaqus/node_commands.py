@@ -163,8 +163,8 @@ def add_set(container: Container, kind: str, name: str, line: Line, labels: list
         The numbers.
     """
     if name:
-        items = [np.array(labels, dtype=np.int64)]
-        container.sets.append(SetBlock(kind, name, line, [*items], outer=container.kind == "ASSEMBLY"))
+        members = np.array(labels, dtype=np.int64)
+        container.sets.append(SetBlock(kind, name, line, [members], outer=container.kind == "ASSEMBLY"))
 
 
 def reals(line: Line, count: int) -> Array:

@@ -3,13 +3,13 @@
 import numpy as np
 
 from fedic.io.mesh_formats._coordinates import Array, axes, from_cylindrical, rotated
-from fedic.io.mesh_formats._numbers import integer, label, real
+from fedic.io.mesh_formats._numbers import checked_label, integer, label, real
 from fedic.io.mesh_formats.abaqus.blocks import Block
 from fedic.io.mesh_formats.abaqus.container import Container
 from fedic.io.mesh_formats.abaqus.geometry import arc, reflected
 from fedic.io.mesh_formats.abaqus.lines import Line
 from fedic.io.mesh_formats.abaqus.node_commands import add_set, cartesian, reals, to_global
-from fedic.io.mesh_formats.abaqus.sets import SetResolver
+from fedic.io.mesh_formats.abaqus.sets import members_so_far
 
 __all__ = ["copy_nodes", "fill_nodes", "generate_nodes", "map_nodes"]
 
@@ -74,7 +74,7 @@ def fill_nodes(container: Container, block: Block) -> None:
         with line.reported("*NFILL"):
             bias = real(block.parameters["BIAS"]) if "BIAS" in block.parameters else 1.0
             first, last, *counts = line.items()
-            pairs = list(zip(_set(container, first), _set(container, last), strict=False))
+            pairs = list(zip(*(members_so_far(container, "node", name) for name in (first, last)), strict=False))
             intervals = integer(counts[0]) if counts else 0
             step = integer(counts[1]) if len(counts) > 1 and counts[1] else 1
             if intervals < 1 or bias <= 0.0:
@@ -116,7 +116,7 @@ def copy_nodes(container: Container, block: Block) -> None:
     if "POLE" in parameters:
         raise block.line.error("*NCOPY, POLE is not read; export the mesh with all of its nodes.")
     with (data[0] if data else block.line).reported("*NCOPY"):
-        old = _set(container, parameters.get("OLDSET", ""))
+        old = members_so_far(container, "node", parameters.get("OLDSET", ""))
         change = integer(parameters.get("CHANGENUMBER", ""))
         times = integer(parameters.get("MULTIPLE", "1"))
         container.budget.spend(times * len(old))
@@ -136,7 +136,7 @@ def copy_nodes(container: Container, block: Block) -> None:
         else:
             raise ValueError("neither SHIFT with data lines nor REFLECT is given")
         for index, copied in enumerate(copies, start=1):
-            labels = [label(str(each + index * change)) for each in old]
+            labels = [checked_label(each + index * change) for each in old]
             container.add_nodes(labels, copied)
             new += labels
     add_set(container, "node", parameters.get("NEWSET", ""), block.line, new)
@@ -166,7 +166,7 @@ def map_nodes(container: Container, block: Block) -> None:
     with (block.data[0] if block.data else block.line).reported("*NMAP"):
         if not block.data:
             raise ValueError("the points of the system are missing")
-        labels = _set(container, block.parameters.get("NSET", ""))
+        labels = members_so_far(container, "node", block.parameters.get("NSET", ""))
         given = reals(block.data[0], 6)
         origin, scale = given[:3], np.ones(3)
         turn = np.eye(3)
@@ -190,15 +190,6 @@ def _between(first: int, last: int, step: int) -> range:
     if step == 0 or (last - first) % step or (last - first) // step < 1:
         raise ValueError(f"the numbers {first} and {last} do not differ by a multiple of {step}")
     return range(first + step, last, step)
-
-
-def _set(container: Container, name: str) -> list[int]:
-    """Return the nodes of a set as it is at this place of the file; a number stands for one node."""
-    resolver = SetResolver(container.mesh, container.sets)
-    outer = container.kind == "ASSEMBLY"
-    if ("node", outer, name.upper()) in resolver.blocks:
-        return list(map(int, resolver.members("node", name, outer)))
-    raise ValueError(f"the node set {name!r} is not defined before this line")
 
 
 def _centre(container: Container, block: Block, line: Line) -> Array:

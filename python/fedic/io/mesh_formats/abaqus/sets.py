@@ -9,10 +9,10 @@ from fedic.errors import MeshError
 from fedic.io.mesh_formats._labelled_mesh import LabelledMesh, Labels
 from fedic.io.mesh_formats._numbers import integer, label
 from fedic.io.mesh_formats.abaqus.blocks import Block
-from fedic.io.mesh_formats.abaqus.container import SetBlock
+from fedic.io.mesh_formats.abaqus.container import Container, SetBlock
 from fedic.io.mesh_formats.abaqus.lines import Line
 
-__all__ = ["SetResolver", "read_set"]
+__all__ = ["SetResolver", "members_so_far", "read_set"]
 
 MAX_NESTED = 100
 """Largest number of sets that contain each other in a chain."""
@@ -230,3 +230,33 @@ class SetResolver:
         raise block.line.error(
             f"the set {block.name} contains {name!r}, which is neither a label nor a set of {kind}s."
         )
+
+
+def members_so_far(container: Container, kind: str, name: str) -> list[int]:
+    """Return the members of a set as it is at this place of the file.
+
+    Parameters
+    ----------
+    container : Container
+        The part.
+    kind : str
+        ``"node"`` or ``"element"``.
+    name : str
+        Name of the set.
+
+    Returns
+    -------
+    list of int
+        Their numbers, in the order of `SetResolver.members`.
+
+    Raises
+    ------
+    ValueError
+        If there is no such set yet.
+    """
+    resolver = SetResolver(container.mesh, container.sets)
+    outer = container.kind == "ASSEMBLY"
+    if (kind, outer, name.upper()) not in resolver.blocks:
+        raise ValueError(f"the {kind} set {name!r} is not defined before this line")
+    members: list[int] = resolver.members(kind, name, outer).tolist()
+    return members

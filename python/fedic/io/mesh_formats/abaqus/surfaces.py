@@ -1,5 +1,8 @@
 """Named surfaces of Abaqus: faces of volume elements, and shells."""
 
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 
 from fedic._core import CELL_TYPES
@@ -59,9 +62,10 @@ def surface_cells(resolver: SetResolver, surface: SurfaceBlock, nodes: Numbering
     """
     elements = resolver.mesh.elements
     found: dict[_Face, None] = {}
+    counts = {} if all(side for _, side in surface.faces) else _face_counts(elements.values())
     for name, side in surface.faces:
         members = [elements[label] for label in resolver.element_labels(name, surface.outer).tolist()]
-        faces = _free_faces(resolver, members) if not side else [_face(element, side) for element in members]
+        faces = [_face(element, side) for element in members] if side else _free_faces(members, counts)
         found.update(dict.fromkeys(face for face in faces if face is not None))
     cells: dict[str, list[tuple[int, ...]]] = {}
     for cell, labels in found:
@@ -78,27 +82,28 @@ def _face(element: Element, side: str) -> _Face | None:
     """Return one face of a volume element, or a shell as its own face."""
     if element.cell in CELL_TYPES:
         return (element.cell, element.nodes) if side in ("SPOS", "SNEG") else None
-    # The faces are numbered as Abaqus numbers them.
-    faces = faces_of(element.cell) if element.cell in SOLIDS else []
+    faces = _faces(element)
     if side[:1] != "S" or not side[1:].isdigit() or not 1 <= int(side[1:]) <= len(faces):
         return None
-    cell, places = faces[int(side[1:]) - 1]
-    return cell, tuple(element.nodes[place] for place in places)
+    return faces[int(side[1:]) - 1]
 
 
-def _free_faces(resolver: SetResolver, members: list[Element]) -> list[_Face]:
+def _free_faces(members: list[Element], counts: Mapping[frozenset[int], int]) -> list[_Face]:
     """Return the outer faces of volume elements, and shells themselves."""
-    shared: dict[frozenset[int], int] = {}
-    for element in resolver.mesh.elements.values():
-        for _, places in faces_of(element.cell) if element.cell in SOLIDS else []:
-            key = frozenset(element.nodes[place] for place in places)
-            shared[key] = shared.get(key, 0) + 1
     found: list[_Face] = []
     for element in members:
         if element.cell in CELL_TYPES:
             found.append((element.cell, element.nodes))
-        for cell, places in faces_of(element.cell) if element.cell in SOLIDS else []:
-            labels = tuple(element.nodes[place] for place in places)
-            if shared[frozenset(labels)] == 1:
-                found.append((cell, labels))
+        found += [(cell, labels) for cell, labels in _faces(element) if counts[frozenset(labels)] == 1]
     return found
+
+
+def _face_counts(elements: Iterable[Element]) -> Counter[frozenset[int]]:
+    """Return how many volume elements have each face, by its nodes."""
+    return Counter(frozenset(labels) for element in elements for _, labels in _faces(element))
+
+
+def _faces(element: Element) -> list[_Face]:
+    """Return the faces of a volume element, numbered as Abaqus numbers them; none of another element."""
+    faces = faces_of(element.cell) if element.cell in SOLIDS else []
+    return [(cell, tuple(element.nodes[place] for place in places)) for cell, places in faces]

@@ -75,14 +75,13 @@ def read_element_block(lines: Lines, solid: bool) -> Iterator[tuple[int, int, li
         head = 11 if solid else 5
         if len(numbers) <= head:
             raise lines.error(f"an element of EBLOCK begins with {head} numbers and its nodes; the file is damaged.")
-        label, kind = (numbers[10], numbers[1]) if solid else (numbers[0], numbers[1])
-        nodes = numbers[head:]
+        element, kind, nodes = numbers[10 if solid else 0], numbers[1], numbers[head:]
         while solid and len(nodes) < numbers[8]:
             more = lines.next()
             if more is None:
-                raise lines.error(f"element {label} ends before its {numbers[8]} nodes; the file is damaged.")
+                raise lines.error(f"element {element} ends before its {numbers[8]} nodes; the file is damaged.")
             nodes += _integers(lines, more, width, "EBLOCK")
-        yield label, kind, nodes[: numbers[8]] if solid else nodes
+        yield element, kind, nodes[: numbers[8]] if solid else nodes
 
 
 def read_integers(lines: Lines, name: str, count: int | None = None) -> Iterator[list[int]]:

@@ -8,7 +8,7 @@ import numpy as np
 from fedic.io._mesh_file import MeshFile
 from fedic.io.mesh_formats._coordinates import from_cylindrical
 from fedic.io.mesh_formats._labelled_mesh import LabelledMesh, Labels
-from fedic.io.mesh_formats._numbers import integer, label, real
+from fedic.io.mesh_formats._numbers import checked_label, integer, real
 from fedic.io.mesh_formats.ansys.blocks import read_element_block, read_integers, read_node_block
 from fedic.io.mesh_formats.ansys.elements import MESH_ONLY, element_of, is_known
 from fedic.io.mesh_formats.ansys.lines import Lines
@@ -121,7 +121,7 @@ class _Reader:
             if integer(point[1] or "0") > 0 and point[0].upper() == "LOC":
                 raise ValueError("unblocked nodes are not read; write the mesh by CDWRITE,DB in blocks")
             return
-        node = label(str(self._whole(number))) if number else self.last_node + 1
+        node = checked_label(self._whole(number)) if number else self.last_node + 1
         given = np.array([[self._value(item) if item else 0.0 for item in point]])
         if self.system not in (0, 1):
             raise ValueError(f"nodes in the coordinate system {self.system} are not read, only in 0 and 1")
@@ -149,7 +149,7 @@ class _Reader:
                 self._add(element, self.kind, nodes)
 
     def _add(self, element: int, kind: int, nodes: list[int]) -> None:
-        label(str(element))
+        checked_label(element)
         self.last_element = max(self.last_element, element)
         if kind not in self.routines:
             raise ValueError(f"element {element} is of the type {kind}, which no ET command defines")

@@ -1,5 +1,6 @@
 """Reader of XDMF files, with their numbers in the file itself, in HDF5 files or in binary files."""
 
+import math
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError
@@ -164,9 +165,7 @@ class _Reader:
         kind = (item.get("NumberType") or item.get("DataType") or "Float").lower()
         form, text = (item.get("Format") or "XML").upper(), (item.text or "").strip()
         shape = [int(each) for each in (item.get("Dimensions") or "").split()]
-        count = 1
-        for length in shape:
-            count *= length
+        count = math.prod(shape)
         if form == "XML":
             values = numbers_of(text.split(), np.float64 if kind == "float" else np.int64)
         elif form == "HDF":

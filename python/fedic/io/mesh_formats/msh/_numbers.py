@@ -1,5 +1,6 @@
 """Numbers in a section of a Gmsh file, as text or binary."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -61,11 +62,8 @@ class Numbers:
         ndarray of int64 or float64
             The numbers.
         """
-        *lengths, width = shape
-        count = 1
-        for length in lengths:  # sizes come from the file: Python's integers do not overflow
-            count *= int(length)
-        (columns,) = self.records(count, (kind, int(width)))
+        *lengths, width = map(int, shape)  # sizes come from the file: Python's integers do not overflow
+        (columns,) = self.records(math.prod(lengths), (kind, width))
         return columns.reshape(shape)
 
     def records(self, count: int, *columns: tuple[str, int]) -> list[NDArray[Any]]:

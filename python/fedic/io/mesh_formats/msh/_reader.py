@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic.io._mesh_file import Indices, MeshFile, unreadable
+from fedic.io.mesh_formats._labelled_mesh import Numbering
 from fedic.io.mesh_formats.msh._fields import read_set_fields
 from fedic.io.mesh_formats.msh._numbers import Numbers
 from fedic.io.mesh_formats.msh._sections import Sections
@@ -121,20 +122,18 @@ def _names(sections: Sections) -> dict[tuple[int, int], str]:
 
 def _blocks(elements: list[Elements], tags: Indices, points: NDArray[np.float64]) -> list[tuple[str, Indices]]:
     """Return the elements with the nodes' places in the file instead of their tags."""
-    order = np.argsort(tags, kind="stable")
-    ordered = tags[order]
+    numbering = Numbering(tags)
+    order, ordered = numbering.order, numbering.sorted
     same = np.flatnonzero(ordered[1:] == ordered[:-1])
     moved = same[(points[order[same]] != points[order[same + 1]]).any(axis=1)]
     if len(moved):
         raise ValueError(f"it defines node {ordered[moved[0]]} twice, at two places")
     blocks = []
     for each in elements:
-        place = np.minimum(np.searchsorted(ordered, each.tags), len(tags) - 1)
-        unknown = ordered[place] != each.tags if len(tags) else np.ones_like(each.tags, dtype=bool)
-        if unknown.any():
-            tag = each.tags[unknown][0]
+        nodes, known = numbering.places(each.tags)
+        if not known.all():
+            tag = each.tags[~known][0]
             raise ValueError(f"a {each.element.name} refers to node {tag}, which the file does not define")
-        nodes = order[place]
         blocks.append((each.element.name, nodes[:, each.element.order] if each.element.order else nodes))
     return blocks
 
