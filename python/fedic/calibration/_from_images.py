@@ -8,8 +8,10 @@ from os import PathLike, fspath
 from typing import TypeAlias
 
 from fedic._internal.types import Image, StrPath
+from fedic._internal.warning_level import levels_within_fedic
+from fedic.calibration._adjustment.shape import fit_shape
 from fedic.calibration._build import build_result
-from fedic.calibration._from_points import fit_or_explain, fit_with_shape
+from fedic.calibration._from_points import fit_or_explain
 from fedic.calibration._result import Calibration
 from fedic.calibration.detection import NotFoundError, WrongCountError, find_target, refine_points
 from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
@@ -90,7 +92,7 @@ def calibrate(
         camera = first.lens.camera(first.estimate.intrinsics, *pose)
         seen[place] = refine_points(_load(sources[index], names[index]), plan, seen[place], camera)
         refined_views((place + 1) / len(found))
-    final = fit_with_shape(lens, seen, image_size)
+    final = fit_shape(fit_or_explain(lens, seen, image_size), seen, image_size)
     return build_result(seen, found, names, faults, final, image_size, view)
 
 
@@ -143,7 +145,7 @@ def _tell_wrong_count(target: Target, names: list[str], wrong: dict[int, str], f
     )
     if len(wrong) >= len(found):
         raise CameraError(said)
-    warnings.warn(said, CalibrationWarning, stacklevel=3)
+    warnings.warn(said, CalibrationWarning, stacklevel=levels_within_fedic())
 
 
 def _too_few(target: Target, names: list[str], faults: dict[int, str]) -> str:

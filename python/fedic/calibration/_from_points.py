@@ -17,7 +17,7 @@ from fedic.calibration.lenses import BROWN, CoefficientLens, parse_lens
 from fedic.calibration.observation import Observation
 from fedic.errors import CameraError, OptionError
 
-__all__ = ["calibrate_points", "fit_or_explain", "fit_with_shape"]
+__all__ = ["calibrate_points", "fit_or_explain"]
 
 
 def calibrate_points(
@@ -67,7 +67,8 @@ def calibrate_points(
     seen = [_observation(index, *pair) for index, pair in pairs]
     names = [f"image {index}" for index in range(len(seen))]
     found = list(range(len(seen)))
-    return build_result(seen, found, names, {}, fit_with_shape(lens, seen, image_size), image_size, view)
+    final = fit_shape(fit_or_explain(lens, seen, image_size), seen, image_size)
+    return build_result(seen, found, names, {}, final, image_size, view)
 
 
 def _observation(index: int, points: ArrayLike, pixels: ArrayLike) -> Observation:
@@ -118,31 +119,6 @@ def fit_or_explain(lens: CoefficientLens | str, seen: list[Observation], image_s
         what = str(fault) if isinstance(fault, CameraError) else "The views do not determine the camera."
         raise CameraError(" ".join([what, *_causes(seen, image_size)])) from None
     return found
-
-
-def fit_with_shape(lens: CoefficientLens | str, seen: list[Observation], image_size: tuple[int, int]) -> Fit:
-    """Fit a camera, and the shape of the target if it is not as planned; see `fit_or_explain` and `fit_shape`.
-
-    Parameters
-    ----------
-    lens : CoefficientLens or str
-        Lens model, or the name of a non-parametric one.
-    seen : list of Observation
-        One per view.
-    image_size : (int, int)
-        Width and height in pixels.
-
-    Returns
-    -------
-    Fit
-        The minimum.
-
-    Raises
-    ------
-    CameraError
-        If the views do not determine the camera, or the fit does not converge.
-    """
-    return fit_shape(fit_or_explain(lens, seen, image_size), seen, image_size)
 
 
 def _causes(seen: list[Observation], image_size: tuple[int, int]) -> list[str]:

@@ -3,6 +3,8 @@
 import warnings
 from collections.abc import Mapping
 
+from fedic._internal.warning_level import levels_within_fedic
+from fedic.calibration._adjustment.start import FOCAL_RANGE
 from fedic.errors import CalibrationWarning, CameraError
 
 __all__ = ["check_plausible", "tell_shape"]
@@ -10,7 +12,6 @@ __all__ = ["check_plausible", "tell_shape"]
 _LARGEST_MISFIT = 2.0
 _LARGEST_ASPECT, _LARGE_ASPECT = 1.5, 1.02
 _SIGNIFICANT = 5.0
-_FOCAL_RANGE = (0.2, 100.0)
 
 
 def check_plausible(
@@ -35,8 +36,8 @@ def check_plausible(
     Warns
     -----
     CalibrationWarning
-        If fx and fy differ by more than 2 %, the focal length is outside 0.2 to 100 image widths, or the principal
-        point is outside the image.
+        If fx and fy differ by more than 2 %, the focal length is outside 0.2 to 100 times the longer side of the
+        image, or the principal point is outside the image.
     """
     fx, fy, cx, cy = (parameters[name] for name in ("fx", "fy", "cx", "cy"))
     if error > _LARGEST_MISFIT:
@@ -58,7 +59,7 @@ def check_plausible(
             "of the camera are square, the target is not as given: measure its pitch in both directions."
         )
     side = max(image_size)
-    if not _FOCAL_RANGE[0] * side <= fx <= _FOCAL_RANGE[1] * side:
+    if not FOCAL_RANGE[0] * side <= fx <= FOCAL_RANGE[1] * side:
         _warn(
             f"The focal length {fx:.4g} px is {fx / side:.3g} times the longer side of the image, which few lenses "
             "have: check the counts of the target, and tilt it more."
@@ -109,4 +110,4 @@ def tell_shape(shape: Mapping[str, tuple[float, float]], half: float) -> None:
 
 
 def _warn(message: str) -> None:
-    warnings.warn(message, CalibrationWarning, stacklevel=5)
+    warnings.warn(message, CalibrationWarning, stacklevel=levels_within_fedic())

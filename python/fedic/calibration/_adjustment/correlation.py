@@ -34,7 +34,7 @@ def correlation_factor(points: list[Floats], residuals: list[Floats]) -> float:
     for places, values in zip(points, residuals, strict=True):
         first, second = _neighbours(places[:_MOST_POINTS])
         products += float((values[first] * values[second]).sum())
-        squares += 0.5 * float((values[first] ** 2).sum() + (values[second] ** 2).sum())
+        squares += float((values[first] ** 2).sum())
         count += len(places)
     if squares == 0.0:
         return 1.0
@@ -43,9 +43,9 @@ def correlation_factor(points: list[Floats], residuals: list[Floats]) -> float:
 
 
 def _neighbours(places: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the indices of the pairs of points that are hardly further apart than the nearest ones."""
-    distances = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
-    np.fill_diagonal(distances, np.inf)
-    reach = _NEIGHBOUR * np.median(distances.min(axis=1)) if len(places) > 1 else 0.0
-    first, second = np.nonzero(np.triu(distances <= reach))
+    """Return the indices of the pairs of points that are hardly further apart than the nearest ones, in both orders."""
+    squares: Floats = sum(np.subtract.outer(along, along) ** 2 for along in places[:, :2].T)  # the target is flat
+    np.fill_diagonal(squares, np.inf)
+    reach = _NEIGHBOUR * np.median(np.sqrt(squares.min(axis=1)))
+    first, second = np.nonzero(squares <= reach**2)
     return first, second

@@ -9,10 +9,10 @@ from fedic.calibration.observation import Observation
 from fedic.cameras.poses import flat_poses
 from fedic.errors import CameraError
 
-__all__ = ["initial_estimate", "pose_of"]
+__all__ = ["FOCAL_RANGE", "initial_estimate", "pose_of"]
 
-_FOCAL_RANGE = (0.2, 100.0)
-"""Plausible focal lengths in image widths; outside, the geometric mean of the range is used."""
+FOCAL_RANGE = (0.2, 100.0)
+"""Plausible focal lengths relative to the longer side of the image; a start outside takes their geometric mean."""
 _LINE = 1e-3
 """Ratio of width to length below which points are collinear."""
 
@@ -53,8 +53,8 @@ def initial_estimate(lens: Lens, observations: list[Observation], image_size: tu
         focal = float(np.asarray(cv2.initCameraMatrix2D(points, pixels, image_size, aspectRatio=1.0))[0, 0])
     except cv2.error:  # some view has no homography
         focal = np.nan
-    if not _FOCAL_RANGE[0] * side <= focal <= _FOCAL_RANGE[1] * side:
-        focal = float(np.sqrt(_FOCAL_RANGE[0] * _FOCAL_RANGE[1])) * side
+    if not FOCAL_RANGE[0] * side <= focal <= FOCAL_RANGE[1] * side:
+        focal = float(np.sqrt(FOCAL_RANGE[0] * FOCAL_RANGE[1])) * side
     width, height = image_size
     intrinsics = np.zeros(lens.size)
     intrinsics[:4] = focal, focal, (width - 1) / 2, (height - 1) / 2

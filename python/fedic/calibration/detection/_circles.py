@@ -53,7 +53,8 @@ def centre_in_plane(points: Floats, levels: Floats, areas: Floats, start: Floats
         rim = disc & (distances > _RIM * reach)
         if not core.any() or not rim.any():
             return np.full(2, np.nan)
-        ground, ink = np.median(levels[rim]), _ink(levels[disc], np.median(levels[rim]), np.median(levels[core]))
+        ground = float(np.median(levels[rim]))
+        ink = _ink(levels[disc], ground, float(np.median(levels[core])))
         if ink == ground:
             return np.full(2, np.nan)
         cover = np.clip((levels[disc] - ground) / (ink - ground), 0.0, 1.0) * areas[disc]

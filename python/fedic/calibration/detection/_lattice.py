@@ -1,6 +1,7 @@
 """Points of a regular pattern with their integer places, and the places one line further out."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,18 +58,16 @@ class Lattice:
     pixels: Floats
     stride: int
 
-    @property
+    @cached_property
     def spots(self) -> Spots:
         """The points with the steps of the pattern."""
-        matrix = _homography(self.places, self.pixels)
-        return Spots(self.places, self.pixels, _steps(matrix, self.places))
+        return Spots(self.places, self.pixels, _steps(self._matrix, self.places))
 
     @property
     def misfit(self) -> float:
         """Median distance of the points from the best homography, in steps of the pattern; NaN without one."""
-        spots = self.spots
-        steps = np.sqrt(np.abs(np.linalg.det(spots.frames)))
-        expected = _mapped(_homography(self.places, self.pixels), self.places)
+        steps = np.sqrt(np.abs(np.linalg.det(self.spots.frames)))
+        expected = _mapped(self._matrix, self.places)
         return float(np.median(np.linalg.norm(self.pixels - expected, axis=1) / steps))
 
     @property
@@ -116,6 +115,10 @@ class Lattice:
         """Return the lattice with one more line."""
         places = np.concatenate([self.places, line.places])
         return Lattice(places, np.concatenate([self.pixels, line.pixels]), self.stride)
+
+    @cached_property
+    def _matrix(self) -> Floats:
+        return _homography(self.places, self.pixels)
 
     def _next_column(self, sign: int) -> NDArray[np.int64]:
         rows = np.unique(self.places[:, 1])

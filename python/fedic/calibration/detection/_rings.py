@@ -108,7 +108,7 @@ def _within(found: RingGrid, target: Target) -> RingGrid:
                 beyond = f"{side} {name}"
     kept: NDArray[np.bool_] = np.asarray(((places >= 0) & (places <= last)).all(axis=1))
     if kept.sum() > 4:
-        step = np.sqrt(np.median(np.ptp(found.pixels, axis=0) / np.maximum(np.ptp(places, axis=0), 1)) ** 2)
+        step = np.median(np.ptp(found.pixels, axis=0) / np.maximum(np.ptp(places, axis=0), 1))
         _, fits = cv2.findHomography(
             places[kept].astype(np.float64), found.pixels[kept], cv2.RANSAC, _OFF_PATTERN * float(step)
         )
