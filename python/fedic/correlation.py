@@ -113,11 +113,9 @@ class Correlator:
             self._core = _core.Correlator(
                 self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
             )
-        except MeshError as error:
-            message = with_size(error.message, mesh, camera, self._reference.shape)
-            raise MeshError(message, error.cells, error.nodes) from None
-        except SolveError as error:
-            raise SolveError(with_size(error.message, mesh, camera, self._reference.shape), error.nodes) from None
+        except (MeshError, SolveError) as error:
+            error.message = with_size(error.message, mesh, camera, self._reference.shape)
+            raise
         self._repeats: Floats | None = None
         self._options = arguments
         self._given_options = options
@@ -128,8 +126,8 @@ class Correlator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what the correlator was made of: it is prepared anew where it is loaded."""
-        made_of = (self._reference, self._mesh, self._camera, self._initial, self._mask)
-        return _prepared_again, (type(self), made_of, dict(self._given_options))
+        named = {"initial": self._initial, "mask": self._mask, "unit": self._unit or None, **self._given_options}
+        return _prepared_again, (type(self), (self._reference, self._mesh, self._camera), named)
 
     @property
     def num_points(self) -> int:
@@ -452,13 +450,12 @@ def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str
         )
 
 
-def _prepared_again(kind: type[Correlator], made_of: tuple[Any, ...], options: dict[str, Any]) -> Correlator:
-    reference, mesh, camera, initial, mask = made_of
+def _prepared_again(kind: type[Correlator], made_of: tuple[Any, ...], named: dict[str, Any]) -> Correlator:
     with warnings.catch_warnings():
         # They were given when the pickled correlator was made.
         warnings.simplefilter("ignore", CalibrationWarning)
         warnings.simplefilter("ignore", QualityWarning)
-        return kind(reference, mesh, camera, initial=initial, mask=mask, **options)
+        return kind(*made_of, **named)
 
 
 def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:
