@@ -3,13 +3,14 @@
 import warnings
 import weakref
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fedic import _core
-from fedic._core import CORRELATION_OPTIONS, NODE_FLAGS, ImageFrame, Mesh
+from fedic._core import CORRELATION_OPTIONS, ImageFrame, Mesh
 from fedic._internal.masks import pixel_mask
 from fedic._internal.measurement import Measurement
 from fedic._internal.mesh_faults import warn_of_mesh_faults
@@ -18,13 +19,14 @@ from fedic._internal.types import Camera, Floats, Image
 from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
 from fedic.cameras.image_size import check_image_size
-from fedic.errors import CalibrationWarning, ConvergenceWarning, MeshError, OptionError, QualityWarning, SolveError
+from fedic.errors import CalibrationWarning, MeshError, OptionError, QualityWarning, SolveError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
-from fedic.results import Attempt, Iteration, Quality, Result
+from fedic.results import Attempt, Iteration, Result
+from fedic.results.verdict import quality_of, warn_of_quality
 from fedic.starts.autocorrelation import may_repeat
 from fedic.starts.automatic import measure_from_any_start
 from fedic.starts.threads import opencv_threads
@@ -39,9 +41,6 @@ __all__ = ["Correlator", "Initial", "Mask", "Start", "correlate"]
 Start: TypeAlias = Literal["auto", "zero", "pyramid", "fft", "features", "log-polar", "flow"]
 Initial: TypeAlias = Start | ArrayLike | Result
 Mask: TypeAlias = ArrayLike | Sequence[ArrayLike]
-
-_SATURATED_SHARE = 0.01
-"""Share of saturated pixels from which on a warning is given."""
 
 
 @with_options(CORRELATION_OPTIONS)
@@ -113,12 +112,9 @@ class Correlator:
             self._core = _core.Correlator(
                 self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
             )
-        except MeshError as error:
-            message = with_size(error.message, mesh, camera, self._reference.shape)
-            raise MeshError(message, error.cells, error.nodes) from None
-        except SolveError as error:
-            raise SolveError(with_size(error.message, mesh, camera, self._reference.shape), error.nodes) from None
-        self._repeats: Floats | None = None
+        except (MeshError, SolveError) as error:
+            error.message = with_size(error.message, mesh, camera, self._reference.shape)
+            raise
         self._options = arguments
         self._given_options = options
         self._kept_reference = KeptImage.of(self._reference, "reference", path=file_of(reference))
@@ -128,8 +124,8 @@ class Correlator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what the correlator was made of: it is prepared anew where it is loaded."""
-        made_of = (self._reference, self._mesh, self._camera, self._initial, self._mask)
-        return _prepared_again, (type(self), made_of, dict(self._given_options))
+        named = {"initial": self._initial, "mask": self._mask, "unit": self._unit or None, **self._given_options}
+        return _prepared_again, (type(self), (self._reference, self._mesh, self._camera), named)
 
     @property
     def num_points(self) -> int:
@@ -176,7 +172,8 @@ class Correlator:
         start = self._initial if initial is None else _checked_initial(initial, self._mesh)
         with opencv_threads(self._options.get("num_threads")):
             solution, name, attempts = self._solution(deformed, start, core_callback(progress))
-            quality = self._quality(solution, deformed)
+            images = (self._reference, deformed)
+            quality = quality_of(self._core, solution, images, self._mesh, self._repeats)
         places = self._mesh.points.copy()
         places[:, :2] += np.nan_to_num(solution.displacement)
         _warn_of_extrapolation(self._camera, self._mesh, places, "have moved")
@@ -208,7 +205,7 @@ class Correlator:
                 correlator=weakref.ref(self._core),
             ),
         )
-        _warn_of_quality(result)
+        warn_of_quality(result)
         return result
 
     def _solution(
@@ -231,34 +228,15 @@ class Correlator:
         solution = self._core.correlate(deformed, initial=field, pyramid=start == "pyramid", progress=progress)
         return solution, start, []
 
-    def _quality(self, solution: "_core.Solution", deformed: Image) -> Quality:
-        used = self._mesh.used_nodes
-        nodes = self._core.node_pixels()[used]
-        if self._repeats is None:
-            self._repeats = np.empty((0, 2))
-            if may_repeat(self._reference, nodes):
-                from fedic.starts.images import StartImages
-                from fedic.starts.periodicity import repeats
+    @cached_property
+    def _repeats(self) -> Floats:
+        """Translations at which the texture of the reference image resembles itself."""
+        if not may_repeat(self._reference, self._core.node_pixels()[self._mesh.used_nodes]):
+            return np.empty((0, 2))
+        from fedic.starts.images import StartImages
+        from fedic.starts.periodicity import repeats
 
-                self._repeats = repeats(StartImages.of(self._reference, self._reference, self._mesh, self._camera))
-        node_flags = solution.node_flags
-        if len(self._repeats):
-            node_flags |= np.uint8(1 << list(NODE_FLAGS).index("periodic"))
-        moved = nodes + np.nan_to_num(solution.pixel_displacement[used])
-        return Quality(
-            noise=solution.noise,
-            **solution.cell_evidence,
-            standard_deviation=solution.node_evidence["deviation"],
-            conditioning=solution.node_evidence["conditioning"],
-            repeats=self._repeats,
-            saturated_share=(
-                _saturated_share(self._core, self._reference, nodes),
-                _saturated_share(self._core, deformed, moved),
-            ),
-            converged=solution.converged,
-            cell_flags=solution.cell_flags,
-            node_flags=node_flags,
-        )
+        return repeats(StartImages.of(self._reference, self._reference, self._mesh, self._camera))
 
     def residual_map(self, deformed: Image, displacement: ArrayLike) -> NDArray[np.float32]:
         """Map the grey-level residual over the reference image.
@@ -407,40 +385,6 @@ def _estimated(start: Start, images: tuple[Image, Image], mesh: Mesh, camera: Ca
     return nodal_displacement(found[0].displacement, mesh, camera)
 
 
-def _saturated_share(correlator: "_core.Correlator", image: Image, pixels: Floats) -> float:
-    """Return the share of saturated pixels in the box around some image points."""
-    known = pixels[np.isfinite(pixels).all(axis=1)]
-    if not len(known):
-        return 0.0
-    limit = max(image.shape)
-    low, high = (np.clip(bound, 0, limit) for bound in (np.floor(known.min(axis=0)), np.ceil(known.max(axis=0)) + 1))
-    return correlator.saturated_share(image, (int(low[0]), int(low[1])), (int(high[0]), int(high[1])))
-
-
-def _warn_of_quality(result: Result) -> None:
-    quality = result.quality
-    if not quality.is_good:
-        reasons = "; ".join(quality.reasons())
-        if result.converged:
-            warnings.warn(f"the result is doubtful: {reasons}", QualityWarning, stacklevel=levels_within_fedic())
-        else:
-            tried = f" Starts tried: {'; '.join(map(str, result.attempts))}." if result.attempts else ""
-            warnings.warn(
-                f"{reasons}. The largest error left is about {result.error_left:.2g} px.{tried} Check that both images "
-                "show the same specimen, or give an initial displacement per node.",
-                ConvergenceWarning,
-                stacklevel=levels_within_fedic(),
-            )
-    for image, share in zip(("reference", "deformed"), quality.saturated_share, strict=True):
-        if share >= _SATURATED_SHARE:
-            warnings.warn(
-                f"{share:.1%} of the pixels of the {image} image around the mesh are saturated; their texture is lost: "
-                "shorten the exposure",
-                QualityWarning,
-                stacklevel=levels_within_fedic(),
-            )
-
-
 def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str) -> None:
     outside = np.flatnonzero(mesh.used_nodes & ~camera.covers(places))
     if outside.size:
@@ -452,13 +396,12 @@ def _warn_of_extrapolation(camera: Camera, mesh: Mesh, places: Floats, what: str
         )
 
 
-def _prepared_again(kind: type[Correlator], made_of: tuple[Any, ...], options: dict[str, Any]) -> Correlator:
-    reference, mesh, camera, initial, mask = made_of
+def _prepared_again(kind: type[Correlator], made_of: tuple[Any, ...], named: dict[str, Any]) -> Correlator:
     with warnings.catch_warnings():
         # They were given when the pickled correlator was made.
         warnings.simplefilter("ignore", CalibrationWarning)
         warnings.simplefilter("ignore", QualityWarning)
-        return kind(reference, mesh, camera, initial=initial, mask=mask, **options)
+        return kind(*made_of, **named)
 
 
 def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fedic.cli.common import reported_errors
-from fedic.cli.terminal import echo, print_table, shown
+from fedic.cli.terminal import print_table, shown
 from fedic.errors import FedicError
 
 
@@ -57,4 +57,3 @@ def test_letters_that_the_terminal_lacks_are_escaped() -> None:
         [sys.executable, "-c", code], capture_output=True, env={"PYTHONIOENCODING": "ascii"}, check=True
     )
     assert outcome.stdout == b"\\xe9\\u56fe.tif\n"
-    assert echo("") is None

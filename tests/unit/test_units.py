@@ -42,6 +42,16 @@ def test_pictures_and_files_name_the_unit(result: fedic.Result, tmp_path: Path) 
     np.testing.assert_allclose(fedic.read_mesh(tmp_path / "a.vtu").points, MESH.points)
 
 
+@pytest.mark.parametrize(("camera", "unit", "named"), [(CAMERA, "mm", "mm"), (CAMERA, None, ""), (None, None, "px")])
+def test_a_pickled_correlator_keeps_its_unit(
+    speckle_pair: tuple[NDArray[np.uint8], NDArray[np.uint8]], camera: Any, unit: str | None, named: str
+) -> None:
+    reference, deformed = speckle_pair
+    mesh = fedic.rectangle_mesh((30, 30, 170, 130), size=20) if camera is None else MESH
+    correlator = fedic.Correlator(reference, mesh, camera or fedic.ImageFrame(), unit=unit)
+    assert pickle.loads(pickle.dumps(correlator)).correlate(deformed).unit == named
+
+
 def test_without_a_unit_none_is_named(
     speckle_pair: tuple[NDArray[np.uint8], NDArray[np.uint8]], tmp_path: Path
 ) -> None:

@@ -86,6 +86,37 @@ def test_ctrl_c_stops_a_correlation_within_two_processor_seconds(density: float,
         assert process.wait() == 0
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        "fedic.synthetic.render(fedic.synthetic.Speckle(3.0), fedic.ImageFrame(), (8000, 8000))",
+        "camera.unproject(places)",
+        "mesh.interpolate(np.ones((mesh.num_nodes, 2)), places)",
+    ],
+    ids=["render", "unproject", "interpolate"],
+)
+def test_ctrl_c_stops_other_loops_over_many_points(call: str) -> None:
+    """Each call takes several seconds."""
+    child = f"""
+        import numpy as np, fedic
+        places = np.random.default_rng(0).uniform(0.0, 800.0, (6_000_000, 2))
+        mesh = fedic.rectangle_mesh((0, 0, 800, 800), 2)
+        lens = fedic.BrownDistortion(radial=(-0.1, 0.01, 0.0))
+        camera = fedic.Pinhole((1000.0, 1000.0), (400.0, 400.0), np.eye(3), (0.0, 0.0, 1000.0), distortion=lens)
+        print("calling", flush=True)
+        try:
+            {call}
+        except KeyboardInterrupt:
+            print(seconds_since_signal(), flush=True)
+    """
+    with script(child) as process:
+        assert read_line(process) == "calling"
+        time.sleep(0.5)
+        interrupt(process)
+        assert float(read_line(process)) < 2.0
+        assert process.wait() == 0
+
+
 def test_an_exception_in_the_progress_callback_propagates(images: tuple[np.ndarray, np.ndarray]) -> None:
     def refuse(*_: object) -> None:
         raise RuntimeError("enough")

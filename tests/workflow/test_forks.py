@@ -74,6 +74,26 @@ def test_a_forked_child_renders_or_refuses_at_once(before: str, expected: str) -
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+@pytest.mark.parametrize("start", ["fft", "features", "log-polar", "flow"])
+def test_a_forked_child_uses_the_starts_of_opencv_after_its_parent(start: str) -> None:
+    script = f"""
+        import cv2
+        cv2.setNumThreads(4)
+        large = cv2.GaussianBlur(np.kron(image, np.ones((6, 6), np.uint8)), (0, 0), 3.0)
+        def measured():
+            shifted = np.roll(large, 5, axis=1)
+            return fedic.correlate(large, shifted, fedic.rectangle_mesh((60, 60, 660, 660), 60), initial="{start}")
+        expected = measured().displacement
+        if os.fork() == 0:
+            print(np.array_equal(measured().displacement, expected), flush=True)
+            os._exit(0)
+        assert os.wait()[1] == 0
+    """
+    ended = run(script)
+    assert ended.stdout == "True\n", ended.stderr
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 def test_pools_of_forked_processes_measure() -> None:
     script = """
         import multiprocessing

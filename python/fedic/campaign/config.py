@@ -1,56 +1,25 @@
 """Configuration file of ``fedic run``."""
 
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any
 
-import numpy as np
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    PrivateAttr,
-    Tag,
-    ValidationError,
-    ValidationInfo,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, ValidationInfo
 
-from fedic._core import CELL_TYPES, Mesh, Pinhole, rectangle_mesh
-from fedic._internal.sections import (
-    InFolder,
-    Positive,
-    Real,
-    Schema,
-    Section,
-    config_error,
-    in_folder,
-)
-from fedic._internal.types import Camera
+from fedic._internal.sections import InFolder, Schema, Section, config_error, in_folder
 from fedic._internal.units import checked_unit
-from fedic.cameras.files import read_camera, read_file_camera
-from fedic.cameras.poses import with_pose
-from fedic.cameras.schema import (
-    CAMERA_SCHEMA,
-    FrontParallelSection,
-    ImageFrameSection,
-    PinholeSection,
-    PixelCount,
-    PixelIndex,
-    Rotation,
-    rotation_argument,
-)
+from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
+from fedic.campaign.camera_section import CameraFileSection, CameraSection
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.campaign.image_list import expand_names
+from fedic.campaign.mesh_section import MeshSection, RectangleSection, UnstructuredSection
 from fedic.campaign.outputs import Outputs, result_names
 from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError
 from fedic.io.images import split_page
-from fedic.io.meshes import read_mesh, split_choice
+from fedic.io.meshes import split_choice
 from fedic.io.toml import load_toml
-from fedic.meshing import unstructured_mesh
 from fedic.results import StrainMeasure
 
-__all__ = ["Config", "OutputSection", "load_config"]
+__all__ = ["Config", "load_config"]
 
 
 def _expanded(value: object, info: ValidationInfo) -> object:
@@ -65,106 +34,11 @@ def _expanded(value: object, info: ValidationInfo) -> object:
     return files
 
 
-def _cell(name: str) -> str:
-    if name not in CELL_TYPES:
-        raise ValueError(f"should be one of {', '.join(map(repr, CELL_TYPES))}")
-    return name
-
-
-Cell: TypeAlias = Annotated[str, AfterValidator(_cell)]
-Polygon: TypeAlias = Annotated[list[tuple[Real, Real]], Field(min_length=3)]
-
-
 class ImagesSection(Section):
     """``[images]``: the files."""
 
     reference: InFolder
     deformed: Annotated[list[InFolder], BeforeValidator(_expanded), Field(min_length=1)]
-
-
-class RectangleSection(Section):
-    """``[mesh.rectangle]``: a regular mesh."""
-
-    bounds: tuple[Real, Real, Real, Real]
-    size: Positive
-    cell: Cell = "quad"
-
-
-class UnstructuredSection(Section):
-    """``[mesh.unstructured]``: a polygon with holes, meshed by Gmsh."""
-
-    outline: Polygon
-    holes: list[Polygon] = Field(default_factory=list)
-    size: Positive
-    cell: Cell = "triangle"
-
-
-class MeshSection(Section):
-    """``[mesh]``: a file, or one of the two generators, and the unit of length."""
-
-    file: InFolder | None = None
-    rectangle: RectangleSection | None = None
-    unstructured: UnstructuredSection | None = None
-    unit: str | None = None
-
-    @model_validator(mode="after")
-    def _one_source(self) -> "MeshSection":
-        if len(self.model_fields_set - {"unit"}) != 1:
-            raise ValueError("should hold exactly one of mesh.file, [mesh.rectangle] and [mesh.unstructured]")
-        return self
-
-    def build(self) -> Mesh:
-        """Read or make the mesh."""
-        if self.file is not None:
-            return read_mesh(self.file)
-        if self.rectangle is not None:
-            return rectangle_mesh(self.rectangle.bounds, size=self.rectangle.size, cell=self.rectangle.cell)
-        assert self.unstructured is not None
-        plan = self.unstructured
-        return unstructured_mesh(plan.outline, size=plan.size, cell=plan.cell, holes=plan.holes)
-
-
-class CameraFileSection(Section):
-    """``[camera]`` from a camera file; a pose given here replaces that of the file.
-
-    The images are a region of the calibrated ones (``crop``: left, top, width, height), or binned after that.
-    """
-
-    file: InFolder
-    number: Annotated[int, Field(strict=True, ge=0)] = 0
-    rotation: Rotation | None = None
-    translation: tuple[Real, Real, Real] | None = None
-    crop: tuple[PixelIndex, PixelIndex, PixelCount, PixelCount] | None = None
-    binning: PixelCount = 1
-
-    def build(self) -> Camera:
-        """Read the camera."""
-        camera = self._placed()
-        try:
-            region = camera if self.crop is None else camera.cropped(*self.crop)
-            return region if self.binning == 1 else region.binned(self.binning)
-        except CameraError as error:
-            raise CameraError(f"{self.file}: crop and binning in [camera]: {error}.") from None
-
-    def _placed(self) -> Camera:
-        """Read the camera, with the pose of the section."""
-        posed = self.rotation is not None and self.translation is not None
-        camera = (
-            read_file_camera(self.file, number=self.number).camera
-            if posed
-            else read_camera(self.file, number=self.number)
-        )
-        if self.rotation is None and self.translation is None:
-            return camera
-        if not isinstance(camera, Pinhole):
-            raise CameraError(
-                f"{self.file}: a {type(camera).__name__} has no pose; leave out rotation and translation."
-            )
-        return with_pose(
-            camera,
-            camera.rotation if self.rotation is None else rotation_argument("camera.rotation", self.rotation),
-            np.asarray(camera.translation if self.translation is None else self.translation),
-        )
 
 
 class OutputSection(Section):
@@ -173,21 +47,6 @@ class OutputSection(Section):
     folder: InFolder
     strain_measure: StrainMeasure = "green-lagrange"
     pictures: Annotated[bool, Field(strict=True)] = True
-
-
-def _camera_kind(value: object) -> str | None:
-    if isinstance(value, dict):
-        return "file" if "file" in value else (str(value["model"]) if "model" in value else None)
-    return getattr(value, "model", "file")
-
-
-CameraSection: TypeAlias = Annotated[
-    Annotated[ImageFrameSection, Tag("image-frame")]
-    | Annotated[FrontParallelSection, Tag("front-parallel")]
-    | Annotated[PinholeSection, Tag("pinhole")]
-    | Annotated[CameraFileSection, Tag("file")],
-    Discriminator(_camera_kind),
-]
 
 
 class Config(Section):

@@ -52,11 +52,12 @@ def expand_names(names: Sequence[str], folder: Path, reference: Path | None) -> 
         pattern, page = _split(name, folder)
         found = glob.glob(pattern, root_dir=folder)  # noqa: PTH207 - the pattern may be absolute
         matches = [f"{match}{page}" for match in sorted(found, key=natural_order)]
-        rest = [match for match in matches if reference is None or not _same_image(folder / match, reference)]
+        same = {match for match in matches if reference is not None and _same_image(folder / match, reference)}
+        rest = [match for match in matches if match not in same]
         if not rest:
             what = "another file than the reference image" if matches else "a file"
             raise ValueError(f"should match {what}: {name!r} matches none in {folder}")
-        left_out += [match for match in matches if match not in rest]
+        left_out += [match for match in matches if match in same]
         files += [match for match in rest if _place(folder / match) not in seen]
         seen.update(_place(folder / match) for match in rest)
     return files, left_out

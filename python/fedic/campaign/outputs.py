@@ -63,18 +63,16 @@ class Outputs:
         ConfigError
             If one would.
         """
-        inputs = {identity: entry for entry in self.inputs if (identity := _identity(entry[1])) is not None}
-        for file in (self.folder / SUMMARY, *self.all()):
+        files = [self.folder / SUMMARY, *self.all()]
+        for file in files:
             status = _status(file)
-            if status is None:
-                continue
-            if not stat.S_ISREG(status.st_mode):
+            if status is not None and not stat.S_ISREG(status.st_mode):
                 raise ConfigError(
                     f"output.folder: the result {file} cannot be written, since there is a folder or another kind of "
                     "file of this name; give another folder.",
                     "output.folder",
                 )
-            self._refuse_input(inputs, file, "would replace")
+        self._refuse_inputs(files, "would replace")
 
     def claim(self, *, overwrite: bool) -> None:
         """Make the folder, check that it can be written and holds no results, and remove unfinished files.
@@ -96,9 +94,7 @@ class Outputs:
                 f"{self.folder}: this folder holds results already, such as {there[0].name}, and was not changed; give "
                 "another output.folder, or --overwrite (overwrite=True), which removes them first."
             )
-        inputs = {identity: entry for entry in self.inputs if (identity := _identity(entry[1])) is not None}
-        for file in self._listed():
-            self._refuse_input(inputs, file, "is a result of an earlier run, which --overwrite removes:")
+        self._refuse_inputs(self._listed(), "is a result of an earlier run, which --overwrite removes:")
         check_folder_writable(self.folder)
         remove_unfinished(self.folder)
 
@@ -125,14 +121,17 @@ class Outputs:
         plain = [name for name in names if isinstance(name, str) and _is_result_name(name)]
         return [file for file in (self.folder / name for name in plain) if file.is_symlink() or file.is_file()]
 
-    def _refuse_input(self, inputs: dict[tuple[int, int], tuple[str, Path]], file: Path, what: str) -> None:
-        identity = _identity(file)
-        if identity in inputs:
-            key, path = inputs[identity]
-            raise ConfigError(
-                f"output.folder: the result {file} {what} an input of this run, {path} ({key}); give another folder.",
-                "output.folder",
-            )
+    def _refuse_inputs(self, files: Iterable[Path], what: str) -> None:
+        inputs = {identity: entry for entry in self.inputs if (identity := _identity(entry[1])) is not None}
+        for file in files:
+            identity = _identity(file)
+            if identity in inputs:
+                key, path = inputs[identity]
+                raise ConfigError(
+                    f"output.folder: the result {file} {what} an input of this run, {path} ({key}); give another "
+                    "folder.",
+                    "output.folder",
+                )
 
 
 def result_names(images: Sequence[Path]) -> list[str]:

@@ -6,12 +6,12 @@ The application is imported when it is asked for, so that Ctrl-C meanwhile ends 
 import sys
 from typing import TYPE_CHECKING
 
+from fedic.cli.exit_status import EXIT_INTERRUPTED
+
 if TYPE_CHECKING:
     from fedic.cli._app import app
 
 __all__ = ["app"]
-
-_EXIT_INTERRUPTED = 130
 
 
 def __getattr__(name: str) -> object:
@@ -21,5 +21,5 @@ def __getattr__(name: str) -> object:
         from fedic.cli._app import app
     except KeyboardInterrupt:
         sys.stderr.write("fedic: interrupted\n")
-        raise SystemExit(_EXIT_INTERRUPTED) from None
+        raise SystemExit(EXIT_INTERRUPTED) from None
     return app

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fedic.cli.common import (
-    EXIT_DOUBTFUL,
     CameraOption,
     OverwriteOption,
     PictureOption,
     check_picture,
     reported_errors,
 )
+from fedic.cli.exit_status import EXIT_DOUBTFUL
 from fedic.cli.terminal import echo, print_table
 from fedic.errors import QualityWarning
 

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fedic.cli.common import EXIT_DOUBTFUL, reported_errors
+from fedic.cli.common import reported_errors
+from fedic.cli.exit_status import EXIT_DOUBTFUL
 from fedic.cli.progress import TerminalProgress
 from fedic.cli.terminal import echo, shown
 

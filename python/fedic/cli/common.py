@@ -7,22 +7,17 @@ from typing import Annotated, TypeAlias
 
 import typer
 
+from fedic.cli.exit_status import EXIT_ERROR, EXIT_INTERRUPTED
 from fedic.cli.terminal import echo
 from fedic.errors import FedicError
 
 __all__ = [
-    "EXIT_DOUBTFUL",
     "CameraOption",
     "OverwriteOption",
     "PictureOption",
     "check_picture",
     "reported_errors",
 ]
-
-_EXIT_ERROR = 2
-EXIT_DOUBTFUL = 3
-"""Exit status after a result that did not converge or is doubtful."""
-_EXIT_INTERRUPTED = 130
 
 CameraOption: TypeAlias = Annotated[
     Path, typer.Option("--output", help="Camera file: .toml, or .yml, .yaml, .xml for OpenCV.")
@@ -42,10 +37,10 @@ def reported_errors() -> Iterator[None]:
         yield
     except FedicError as error:
         echo(f"fedic: {error}", err=True)
-        raise typer.Exit(_EXIT_ERROR) from None
+        raise typer.Exit(EXIT_ERROR) from None
     except KeyboardInterrupt:
         echo("fedic: interrupted", err=True)
-        raise typer.Exit(_EXIT_INTERRUPTED) from None
+        raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
 def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bool) -> None:
