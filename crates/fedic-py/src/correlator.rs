@@ -249,12 +249,13 @@ impl Solution {
         self.0.quality.noise
     }
 
-    /// Evidence of the cells, float64 of shape (num_cells,): ``used_share``, ``correlation``, ``normalized_residual``, ``misfit``.
+    /// Evidence of the cells, float64 of shape (num_cells,): ``used_share``, ``kept_share``, ``correlation``, ``normalized_residual``, ``misfit``.
     #[getter]
     fn cell_evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let quality = &self.0.quality;
         let rows = [
             ("used_share", &quality.used_share),
+            ("kept_share", &quality.kept_share),
             ("correlation", &quality.correlation),
             ("normalized_residual", &quality.normalized_residual),
             ("misfit", &quality.misfit),

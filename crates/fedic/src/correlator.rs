@@ -26,7 +26,7 @@ use crate::results::solution::Iteration;
 use crate::results::verdict::Judged;
 use crate::solve::basis::nodal::NodalBasis;
 use crate::solve::gauss_newton::{GaussNewton, residual_rms};
-use crate::solve::level::{Level, LevelSettings, Smoothing};
+use crate::solve::level::{Comparison, Level, LevelSettings, Smoothing};
 use crate::solve::start::pyramid::Pyramid;
 use crate::solve::start::smooth_field::smooth_start;
 use crate::threads::in_pool;
@@ -290,16 +290,21 @@ impl Correlator {
         self.check_size(deformed)?;
         let map = |reference: ImageView<'_>| {
             let displacement = self.dofs.restrict(displacement)?;
-            let Options { interpolation, smoothing, brightness, .. } = self.options;
+            let Options { interpolation, smoothing, .. } = self.options;
+            let brightness = self.options.brightness_in_use();
             let interpolator = |view| Interpolator::smoothed(view, interpolation, smoothing);
             let (reference, deformed) = (interpolator(reference)?, interpolator(deformed)?);
             let observation = &self.level.observation;
             let mut term = self.level.image_term(&self.dofs, &deformed, brightness);
             term.estimate_gain_offset(&displacement, &self.level.subset, monitor)?;
+            let robust = self.options.robust;
+            let images = Comparison { deformed: &deformed, brightness, full_scale: None, robust };
+            self.level.adapt(&mut term, &self.dofs, &displacement, &images, monitor)?;
             let basis = self.nodal_basis();
             term.evaluate(&displacement, &basis, monitor)?;
             let gain_offset = term.gain_offset();
-            let images = ImagePair { reference: &reference, deformed: &deformed, brightness, gain_offset };
+            let light = term.adaptive().light.as_ref();
+            let images = ImagePair { reference: &reference, deformed: &deformed, brightness, gain_offset, light };
             let mut residuals = residual_map(&self.dofs, observation, &images, &displacement, monitor)?;
             if let Some(mask) = &self.mask {
                 mask.indices().for_each(|pixel| residuals[pixel] = f32::NAN);
@@ -379,7 +384,7 @@ impl Correlator {
         max_iterations: usize,
         monitor: &dyn Monitor,
     ) -> Result<Solution, Error> {
-        let brightness = self.options.brightness;
+        let brightness = self.options.brightness_in_use();
         let mut history = Vec::new();
         let field = match start {
             Start::Zero => vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()],
@@ -404,8 +409,13 @@ impl Correlator {
             max_iterations,
             max_increment: self.size[0].max(self.size[1]) as f64,
         };
-        let image = (&interpolator, brightness, deformed.full_scale_of_square(SATURATED_SQUARE));
-        let mut solution = self.level.solve(&self.dofs, image, &iterations, (field, &[]), &mut history, monitor)?;
+        let images = Comparison {
+            deformed: &interpolator,
+            brightness,
+            full_scale: deformed.full_scale_of_square(SATURATED_SQUARE),
+            robust: self.options.robust,
+        };
+        let mut solution = self.level.solve(&self.dofs, &images, &iterations, (field, &[]), &mut history, monitor)?;
         if self.size[0] * self.size[1] <= MAX_KEPT_PIXELS {
             *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(interpolator);
         }
@@ -419,6 +429,7 @@ impl Correlator {
             cells: &report.cells,
             smoothing: self.options.smoothing,
             noise: self.options.noise,
+            robust: self.options.robust,
         }
         .quality();
         let outcome = solution.outcome;
@@ -478,7 +489,7 @@ impl Correlator {
     }
 
     fn pyramid_of(&self, reduced: &Image, monitor: &dyn Monitor) -> Result<Pyramid<PLANE>, Error> {
-        let laplacian = self.laplacian.get_or_init(|| Arc::new(Laplacian::new(&self.dofs)));
+        let laplacian = self.laplacian.get_or_init(|| Arc::new(Laplacian::new::<PLANE>(&self.dofs.mesh, &self.dofs.pattern)));
         Pyramid::new(&self.dofs, &self.camera, reduced, laplacian, self.mask.as_deref(), monitor)
     }
 

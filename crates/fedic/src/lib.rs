@@ -77,7 +77,7 @@ pub use monitor::{Monitor, Progress, Stage};
 pub use observation::image_source::ImageSource;
 pub use options::{
     Brightness, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue, Options, Quadrature,
-    Range,
+    Range, Robust,
 };
 pub use results::flags::{CellFlag, NodeFlag};
 pub use results::quality::{

@@ -10,11 +10,13 @@ __all__ = [
     "Interpolation",
     "Motion",
     "QuadratureRule",
+    "Robust",
 ]
 
-Brightness: TypeAlias = Literal["global", "element"] | None
+Brightness: TypeAlias = Literal["auto", "global", "element", "field"] | None
 Gradient: TypeAlias = Literal["analytic", "finite-difference"]
 Hessian: TypeAlias = Literal["initial", "updated"]
 Interpolation: TypeAlias = Literal["bilinear", "bicubic", "bspline3", "bspline5"]
 Motion: TypeAlias = Literal["translation", "in-plane", "spatial"]
 QuadratureRule: TypeAlias = Literal["rotated", "edges", "diameter"]
+Robust: TypeAlias = Literal["huber", "tukey"]

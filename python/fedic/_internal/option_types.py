@@ -3,7 +3,7 @@
 
 from typing import TypedDict
 
-from fedic._internal.option_choices import Brightness, Gradient, Hessian, Interpolation, Motion
+from fedic._internal.option_choices import Brightness, Gradient, Hessian, Interpolation, Motion, Robust
 from fedic.quadrature import Quadrature
 
 __all__ = ["CorrelationOptions", "SpecimenOptions"]
@@ -29,8 +29,16 @@ class CorrelationOptions(TypedDict, total=False):
     they are one to three. Default: 0.8.
     """
     brightness: Brightness
-    """Domain over which the mean and the contrast of the deformed image are matched to those of the reference image:
-    ``"global"``, the whole mesh, ``"element"``, each cell, or ``None``, no correction. Default: "global".
+    """Domain over which the grey levels of the deformed image are matched to those of the reference image:
+    ``"global"``, the whole mesh, ``"element"``, each cell, ``"field"``, a gain and an offset that vary over the
+    mesh and are smooth over about two cells, or ``None``, no correction. ``"auto"`` is ``"field"`` with robust
+    weights and ``"global"`` without. Default: "auto".
+    """
+    robust: Robust | None
+    """Function that weighs the points by their residual, so that damage does not spoil what lies beside it:
+    ``"tukey"``, large residuals do not count, or ``"huber"``, they count less. The scale of the residual is that of
+    neighbouring cells. Cells without an outlier are not weighed. Cells that lose much of their weight are flagged,
+    left out, and the frame is measured again. By default no weights. Default: None.
     """
     hessian: Hessian
     """Time at which the Hessian is computed: ``"initial"``, once, over all points of the reference image, or

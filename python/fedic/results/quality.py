@@ -20,7 +20,7 @@ _UNCERTAIN_SHARE = 0.01
 class Quality:
     """What the images tell of the error of a result.
 
-    A cell with the flag ``"few-points"``, ``"uncorrelated"``, ``"weak-texture"`` or ``"folded"`` is not valid; one with
+    A cell with the flag ``"few-points"``, ``"uncorrelated"``, ``"weak-texture"``, ``"folded"`` or ``"damaged"`` is not valid; one with
     another flag is doubtful. A node without any valid cell is not measured: its displacement is NaN. Other nodes with a
     flag keep their displacement, which is doubtful. `flags` gives the reason for each flag, docs/verdict.md the rules.
 
@@ -31,6 +31,8 @@ class Quality:
         residual; NaN if no cell of the images correlates.
     used_share : ndarray of float, shape (num_cells,)
         Share of the area of each cell that was used: inside both images, not masked, not saturated.
+    kept_share : ndarray of float, shape (num_cells,)
+        Share of the weight of each cell that robust weights keep; 1 in cells without outliers.
     correlation : ndarray of float, shape (num_cells,)
         Correlation coefficient of the two images in each cell; NaN without points.
     normalized_residual : ndarray of float, shape (num_cells,)
@@ -56,6 +58,7 @@ class Quality:
 
     noise: float
     used_share: Floats
+    kept_share: Floats
     correlation: Floats
     normalized_residual: Floats
     misfit: Floats
@@ -218,7 +221,7 @@ class Quality:
         cells, nodes = (np.full(count, np.nan) for count in (mesh.num_cells, mesh.num_nodes))
         unflagged = (np.zeros(count, dtype=np.uint8) for count in (mesh.num_cells, mesh.num_nodes))
         return cls(
-            np.nan, cells, cells, cells, cells, nodes, nodes, np.empty((0, 2)), (0.0, 0.0), converged, *unflagged
+            np.nan, cells, cells, cells, cells, cells, nodes, nodes, np.empty((0, 2)), (0.0, 0.0), converged, *unflagged
         )
 
     def _measured_with(self, flag: str) -> NDArray[np.bool_]:

@@ -52,6 +52,17 @@ pub(crate) struct TermReport {
     pub(crate) cells: Vec<CellAgreement>,
 }
 
+/// Effect of robust weights on a cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WeighedCell {
+    /// Share of the weight of the points that is kept.
+    pub(crate) kept: f64,
+    /// Mean derivative of the weighed residual with respect to the residual.
+    pub(crate) slope: f64,
+    /// Mean square of the weighed residual, in squared grey levels.
+    pub(crate) power: f64,
+}
+
 /// Agreement of the two images over a cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CellAgreement {
@@ -61,8 +72,19 @@ pub(crate) struct CellAgreement {
     pub(crate) scatter: f64,
     /// Correlation coefficient of the grey levels; NaN without points, zero where one image is flat.
     pub(crate) correlation: f64,
-    /// Share of the weights that is used, from 0 to 1.
+    /// Share of the weights that is used, from 0 to 1, robust weights not counted.
     pub(crate) used: f64,
+    /// Effect of robust weights; `None` if all are one.
+    pub(crate) weighed: Option<WeighedCell>,
+    /// Whether the cell is left out as damaged.
+    pub(crate) is_dropped: bool,
     /// Whether the deformed image has no grey level at some points.
     pub(crate) is_partial: bool,
+}
+
+impl CellAgreement {
+    /// Share of the weight that robust weights keep.
+    pub(crate) fn kept(&self) -> f64 {
+        self.weighed.map_or(1.0, |weighed| weighed.kept)
+    }
 }

@@ -130,7 +130,7 @@ fn clear_outside(interior: Option<[[f64; 2]; 2]>, at: impl Fn(usize) -> [f64; 2]
 
 /// Weighted sum of grey levels counted from `origin`, and of their squares, over the points of a cell whose weights add up to
 /// `weight`.
-fn cell_moments<const D: usize>(
+pub(crate) fn cell_moments<const D: usize>(
     context: &CellContext<'_, D>,
     shapes: &mut UnsharedShapeTable,
     grey: &[f32],

@@ -35,6 +35,10 @@ pub(crate) struct PointBuffers<const D: usize> {
     pub(crate) q: [AlignedBuffer<f32>; D],
     /// Weights.
     pub(crate) weights: AlignedBuffer<f32>,
+    /// Grey levels of the deformed image before the correction by the light, in units of the contrast.
+    pub(crate) scaled: AlignedBuffer<f32>,
+    /// Residuals.
+    pub(crate) residual: AlignedBuffer<f32>,
 }
 
 /// Shape table of a cell that shares none, filled chunk by chunk.
@@ -60,6 +64,8 @@ impl<const D: usize> Default for Workspace<D> {
                 gradient: Default::default(),
                 q: std::array::from_fn(|_| AlignedBuffer::default()),
                 weights: AlignedBuffer::default(),
+                scaled: AlignedBuffer::default(),
+                residual: AlignedBuffer::default(),
             },
             weighted: AlignedBuffer::zeros(CHUNK),
         }
@@ -70,7 +76,8 @@ impl<const D: usize> PointBuffers<D> {
     /// Makes room for the `count` points of a cell and clears the padding.
     pub(crate) fn resize(&mut self, count: usize) {
         let padded = count.next_multiple_of(PADDING);
-        for row in [&mut self.grey, &mut self.weights].into_iter().chain(&mut self.gradient).chain(&mut self.q) {
+        let rows = [&mut self.grey, &mut self.weights, &mut self.scaled, &mut self.residual];
+        for row in rows.into_iter().chain(&mut self.gradient).chain(&mut self.q) {
             row.resize_for_overwrite(padded);
             row[count..].fill(0.0);
         }

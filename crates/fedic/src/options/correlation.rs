@@ -78,15 +78,30 @@ choices! {
 }
 
 choices! {
-    /// Domain over which the mean and the standard deviation of the deformed image are matched to the reference.
+    /// Domain over which the grey levels of the deformed image are matched to those of the reference image.
     pub enum Brightness("brightness") {
-        /// The whole mesh.
+        /// [`Field`](Self::Field) with robust weights, [`Global`](Self::Global) without.
         #[default]
+        Auto = "auto",
+        /// The whole mesh: mean and standard deviation are matched.
         Global = "global",
-        /// Each cell.
+        /// Each cell: mean and standard deviation are matched.
         Element = "element",
+        /// A gain and an offset that vary over the mesh, smooth over about two cells.
+        Field = "field",
         /// No correction: grey levels are compared as they are.
         None = "none",
+    }
+}
+
+choices! {
+    /// Function that weighs the points by their residual.
+    pub enum Robust("robust") {
+        /// Huber's: large residuals count less.
+        Huber = "huber",
+        /// Tukey's biweight: large residuals do not count.
+        #[default]
+        Tukey = "tukey",
     }
 }
 
@@ -127,9 +142,15 @@ declare_options! {
         /// noise of the displacement by 0 to 7 % where speckles are about five pixels wide, and by 30 % where they are one to
         /// three.
         smoothing: f64 = 0.8, in SMOOTHING;
-        /// Domain over which the mean and the contrast of the deformed image are matched to those of the reference image:
-        /// `global`, the whole mesh, `element`, each cell, or `none`, no correction.
+        /// Domain over which the grey levels of the deformed image are matched to those of the reference image: `global`, the
+        /// whole mesh, `element`, each cell, `field`, a gain and an offset that vary over the mesh and are smooth over about two
+        /// cells, or `none`, no correction. `auto` is `field` with robust weights and `global` without.
         brightness: Brightness = Brightness::default();
+        /// Function that weighs the points by their residual, so that damage does not spoil what lies beside it: `tukey`, large
+        /// residuals do not count, or `huber`, they count less. The scale of the residual is that of neighbouring cells. Cells
+        /// without an outlier are not weighed. Cells that lose much of their weight are flagged, left out, and the frame is
+        /// measured again. By default no weights.
+        robust: Option<Robust> = None;
         /// Time at which the Hessian is computed: `initial`, once, over all points of the reference image, or `updated`, at
         /// every iteration, over the points inside the deformed image. It does not depend on the displacement otherwise.
         hessian: Hessian = Hessian::default();
@@ -148,5 +169,16 @@ declare_options! {
         max_iterations: usize = 50, in MAX_ITERATIONS;
         /// Number of threads; all processors by default. The result does not depend on it.
         num_threads: Option<usize> = None, in NUM_THREADS;
+    }
+}
+
+impl Options {
+    /// The brightness correction in use, [`Brightness::Auto`] resolved.
+    pub(crate) fn brightness_in_use(&self) -> Brightness {
+        match self.brightness {
+            Brightness::Auto if self.robust.is_some() => Brightness::Field,
+            Brightness::Auto => Brightness::Global,
+            other => other,
+        }
     }
 }

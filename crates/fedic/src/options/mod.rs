@@ -14,7 +14,7 @@ mod range;
 mod value;
 
 pub(crate) use choice::choices;
-pub use correlation::{Brightness, Gradient, Hessian, Options, Quadrature};
+pub use correlation::{Brightness, Gradient, Hessian, Options, Quadrature, Robust};
 pub(crate) use declare::{declare_options, range};
 pub use error::OptionError;
 pub use info::OptionInfo;

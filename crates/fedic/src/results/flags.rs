@@ -48,12 +48,13 @@ flags! {
         Folded = "folded", "The area of the cell has changed sign, or by more than a factor of ten.";
         Misfit = "misfit", "The residual is larger than that of the noise, and that of a node wrong by 0.3 px.";
         Light = "light", "The brightness has changed otherwise than in the rest of the mesh; a correction for each element allows for it.";
+        Damaged = "damaged", "Much of the cell is outliers of the residual: lost paint, a crack, a reflection or the edge of a shadow.";
     }
 }
 
 impl CellFlag {
     /// Flags of a cell that is not valid; those with another flag are doubtful.
-    pub const INVALID: &'static [Self] = &[Self::FewPoints, Self::Uncorrelated, Self::WeakTexture, Self::Folded];
+    pub const INVALID: &'static [Self] = &[Self::FewPoints, Self::Uncorrelated, Self::WeakTexture, Self::Folded, Self::Damaged];
 
     /// Whether a cell with these bits is not valid.
     #[must_use]

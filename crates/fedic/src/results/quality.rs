@@ -24,6 +24,8 @@ pub struct Quality {
     pub noise: f64,
     /// Share of the area of each cell that was used, from 0 to 1.
     pub used_share: Vec<f64>,
+    /// Share of the weight of each cell that robust weights keep, from 0 to 1; 1 without outliers.
+    pub kept_share: Vec<f64>,
     /// Correlation coefficient of the two images over each cell; NaN without points.
     pub correlation: Vec<f64>,
     /// Residual of each cell relative to that of the noise, without its own gain and offset; NaN without points.

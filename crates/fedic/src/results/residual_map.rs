@@ -1,8 +1,10 @@
 //! The residual as an image.
 
 use fedic_image::Interpolator;
+use fedic_mesh::shape_values;
 
 use crate::equations::dofs::Dofs;
+use crate::equations::terms::image::light::LightField;
 use crate::observation::observe::Observation;
 use crate::observation::photometry::{GainOffset, Moments};
 use crate::observation::workspace::Workspace;
@@ -18,6 +20,8 @@ pub(crate) struct ImagePair<'a> {
     pub(crate) brightness: Brightness,
     /// Over the mesh, of grey levels counted from zero.
     pub(crate) gain_offset: GainOffset,
+    /// Light as a field, instead of gain and offset over the mesh.
+    pub(crate) light: Option<&'a LightField<'a>>,
 }
 
 /// Residual `f - g~` at each pixel of the reference image whose centre lies in the mesh, row after row; NaN at the others.
@@ -61,6 +65,13 @@ pub(crate) fn residual_map<const D: usize>(
                 batch.project(camera, &displaced);
                 let [u, v] = batch.pixels();
                 images.deformed.values(u, v, &mut g[..len]);
+                if let Some(light) = images.light {
+                    let origin = f64::from(observation.grey_origin);
+                    for (k, g) in g[..len].iter_mut().enumerate() {
+                        let shapes = shape_values(cell_type, batch.coordinates(k));
+                        *g = light.corrected(mesh.cell(cell).nodes, &shapes, f64::from(*g) - origin) as f32 + origin as f32;
+                    }
+                }
                 let grey = |k: usize| [f[k], g[k]].map(f64::from);
                 levels.extend(positions.into_iter().enumerate().map(|(k, position)| (position, grey(k))));
             }
@@ -71,7 +82,8 @@ pub(crate) fn residual_map<const D: usize>(
                     inside.for_each(|&(_, [f, g])| moments.add_point(1.0, f, g));
                     moments.gain_offset(0.0)
                 }
-                Brightness::None | Brightness::Global => images.gain_offset,
+                _ if images.light.is_some() => GainOffset::IDENTITY,
+                _ => images.gain_offset,
             };
             let residual = |(position, [f, g]): ([usize; 2], [f64; 2])| {
                 (position, (f - gain_offset.gain * g - gain_offset.offset) as f32)

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use fedic_mesh::{CellType, Mesh};
 
-use crate::PLANE;
+use crate::{PLANE, Robust};
 use crate::equations::deformation::folded_cells;
 use crate::equations::term::CellAgreement;
 use crate::projection::projected_points::project_nodes;
@@ -29,6 +29,8 @@ pub(crate) struct Judged<'a> {
     pub(crate) smoothing: f64,
     /// Standard deviation of the noise of one image, if it is known.
     pub(crate) noise: Option<f64>,
+    /// Function of the robust weights, if there are any.
+    pub(crate) robust: Option<Robust>,
 }
 
 impl Judged<'_> {
@@ -47,6 +49,7 @@ impl Judged<'_> {
         Quality {
             noise,
             used_share: cells().map(|(_, cell)| cell.used.min(1.0)).collect(),
+            kept_share: cells().map(|(_, cell)| cell.kept()).collect(),
             correlation: cells().map(|(_, cell)| cell.correlation).collect(),
             normalized_residual: cells().map(|(_, cell)| cell.scatter / variance.sqrt()).collect(),
             misfit: cells().map(|(index, _)| self.misfit(index, variance)).collect(),
@@ -66,6 +69,8 @@ impl Judged<'_> {
             let is_significant = cell.scatter * cell.scatter > largest_mean_square(independent) * variance;
             let of_images = if cell.used.is_nan() || cell.used <= 0.0 {
                 CellFlag::FewPoints.bit()
+            } else if cell.is_dropped || self.robust.is_some_and(|robust| cell.kept() < robust.min_kept()) {
+                CellFlag::Damaged.bit()
             } else if cell.correlation.is_nan() || cell.correlation < MIN_CORRELATION {
                 CellFlag::Uncorrelated.bit()
             } else if self.level.textures[index].gradient < weakest {

@@ -1,6 +1,6 @@
 //! One resolution of the reference image, ready to be solved for: an observation and the factor of its Hessian.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use fedic_camera::Camera;
 use fedic_image::Interpolator;
@@ -9,7 +9,10 @@ use fedic_sparse::{Factor, SymmetricMatrix};
 
 use crate::equations::dofs::Dofs;
 use crate::equations::terms::curvature::Curvature;
+use crate::equations::term::{CellAgreement, TermReport};
 use crate::equations::terms::image::ImageTerm;
+use crate::equations::terms::image::light::LightSystem;
+use crate::equations::terms::image::robust::CellNeighbours;
 use crate::equations::terms::laplacian::Laplacian;
 use crate::equations::terms::penalty::Penalty;
 use crate::interpolation::image_sampler::ImageSampler;
@@ -17,14 +20,17 @@ use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::{Observation, ObservationSettings};
 use crate::projection::projected_points::{ProjectedPoint, project_nodes};
 use crate::quadrature::shape_table::mean_squared_shapes;
+use crate::results::quality::MIN_CORRELATION;
 use crate::results::solution::Iteration;
 use crate::solve::basis::nodal::{NodalBasis, hold_weak_nodes};
 use crate::solve::gauss_newton::{GaussNewton, Outcome};
 use crate::solve::start::cell_subset::stratified_cells;
-use crate::{Brightness, Error, Monitor};
+use crate::{Brightness, Error, Monitor, Robust};
 
 /// Gradients below this fraction of those of the best cells count as none.
 const FLAT_GRADIENT: f64 = 1e-3;
+/// Largest number of times that a frame is measured, each without the cells found to be damaged before.
+const MAX_ROUNDS: usize = 4;
 
 /// A level of the pyramid; level 0 is the image at full resolution.
 pub(crate) struct Level<const D: usize> {
@@ -39,6 +45,17 @@ pub(crate) struct Level<const D: usize> {
     filter: Option<MaterialFilter<D>>,
     /// Penalty and its factor, if the displacement is smoothed.
     penalty: Option<(Smoothing, f64)>,
+    light: OnceLock<LightSystem>,
+    neighbours: OnceLock<CellNeighbours>,
+}
+
+/// A deformed image, and how its grey levels are compared with those of the reference image.
+pub(crate) struct Comparison<'a> {
+    pub(crate) deformed: &'a Interpolator,
+    pub(crate) brightness: Brightness,
+    /// Full scale of the deformed image, if some of its pixels are saturated.
+    pub(crate) full_scale: Option<f32>,
+    pub(crate) robust: Option<Robust>,
 }
 
 /// Area and texture of a cell in the reference image.
@@ -132,7 +149,7 @@ impl<const D: usize> Level<D> {
             hold_weak_nodes(dofs, &mut hessian);
         }
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;
-        Ok(Self { observation, textures, subset, factor, filter: settings.filter, penalty })
+        Ok(Self { observation, textures, subset, factor, filter: settings.filter, penalty, light: OnceLock::new(), neighbours: OnceLock::new() })
     }
 
     /// The image term of a deformed image.
@@ -154,15 +171,16 @@ impl<const D: usize> Level<D> {
     pub(crate) fn solve(
         &self,
         dofs: &Dofs<D>,
-        (deformed, brightness, full_scale): (&Interpolator, Brightness, Option<f32>),
+        images: &Comparison<'_>,
         iterations: &GaussNewton,
         (start, rest): (Vec<[f64; D]>, &[[f64; D]]),
         history: &mut Vec<Iteration>,
         monitor: &dyn Monitor,
     ) -> Result<LevelSolution<D>, Error> {
-        let term = self.image_term(dofs, deformed, brightness);
-        let mut image = term.with_filter(self.filter.as_ref()).with_full_scale(full_scale);
+        let mut image = self.image_term(dofs, images.deformed, images.brightness);
+        image = image.with_filter(self.filter.as_ref()).with_full_scale(images.full_scale);
         image.estimate_gain_offset(&start, &self.subset, monitor)?;
+        self.adapt(&mut image, dofs, &start, images, monitor)?;
         let mut basis = NodalBasis::new(dofs, &self.factor, &self.observation.quadrature);
         let mut penalty = self.penalty.as_ref().map(|(smoothing, factor)| Penalty {
             dofs,
@@ -171,13 +189,57 @@ impl<const D: usize> Level<D> {
             // A penalty on the gradient would turn back a rotation that is known already.
             rest: matches!(smoothing, Smoothing::Gradient { .. }).then(|| rest.to_vec()),
         });
-        let outcome = match &mut penalty {
-            Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, start, history, monitor),
-            None => iterations.run(&mut [&mut image], &mut basis, start, history, monitor),
-        };
-        let outcome = outcome.map_err(|error| dofs.in_user_nodes(error))?;
-        Ok(LevelSolution { outcome, node_blocks: image.node_blocks().to_vec() })
+        let mut displacement = start;
+        let mut round = 0;
+        loop {
+            round += 1;
+            let outcome = match &mut penalty {
+                Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, displacement, history, monitor),
+                None => iterations.run(&mut [&mut image], &mut basis, displacement, history, monitor),
+            };
+            let outcome = outcome.map_err(|error| dofs.in_user_nodes(error))?;
+            let damaged = images.robust.map_or(Vec::new(), |robust| damaged_cells(robust, &outcome.reports));
+            if round == MAX_ROUNDS || image.drop_cells(damaged) == 0 {
+                return Ok(LevelSolution { outcome, node_blocks: image.node_blocks().to_vec() });
+            }
+            displacement = outcome.displacement;
+        }
     }
+
+    /// Makes the light of an image term a field and weighs its points, if that is asked for.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ImageTerm::adapt`].
+    pub(crate) fn adapt<'a>(
+        &'a self,
+        image: &mut ImageTerm<'a, D>,
+        dofs: &Dofs<D>,
+        displacement: &[[f64; D]],
+        images: &Comparison<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Error> {
+        let mut light = None;
+        if images.brightness == Brightness::Field {
+            light = Some(match self.light.get() {
+                Some(system) => system,
+                None => {
+                    let system = LightSystem::new(&dofs.mesh)?;
+                    self.light.get_or_init(|| system)
+                }
+            });
+        }
+        let neighbours = || self.neighbours.get_or_init(|| CellNeighbours::new(&dofs.mesh));
+        let robust = images.robust.map(|function| (function, neighbours()));
+        if light.is_some() || robust.is_some() { image.adapt(displacement, light, robust, monitor) } else { Ok(()) }
+    }
+}
+
+/// Cells that robust weights show to be damaged: most of their points are outliers, or they do not correlate.
+fn damaged_cells(robust: Robust, reports: &[TermReport]) -> Vec<usize> {
+    let cells = reports.iter().flat_map(|report| report.cells.iter().enumerate());
+    let is_damaged = |cell: &CellAgreement| cell.kept() < robust.min_kept() || cell.correlation < MIN_CORRELATION;
+    cells.filter(|(_, cell)| is_damaged(cell)).map(|(index, _)| index).collect()
 }
 
 /// Area and texture of each cell, from the trace of its Hessian and its weight.

@@ -2,9 +2,7 @@
 
 use fedic_camera::Camera;
 use fedic_mesh::{Mesh, Subdivision, jacobian, shape_gradients};
-use fedic_sparse::SymmetricMatrix;
-
-use crate::equations::dofs::Dofs;
+use fedic_sparse::{Pattern, SymmetricMatrix};
 
 /// Number of subdivisions of each edge for the integrals over a cell.
 const SUBDIVISIONS: u32 = 8;
@@ -13,17 +11,17 @@ const SUBDIVISIONS: u32 = 8;
 #[derive(Debug, Clone)]
 pub(crate) struct Laplacian {
     pub(crate) matrix: SymmetricMatrix,
-    area: f64,
+    pub(crate) area: f64,
 }
 
 impl Laplacian {
-    /// Assembles the matrix for the unknowns of `dofs`.
-    pub(crate) fn new<const D: usize>(dofs: &Dofs<D>) -> Self {
-        let mut matrix = SymmetricMatrix::zeros(&dofs.pattern);
+    /// Assembles the matrix for `D` unknowns at each node, on a pattern of the cells of the mesh.
+    pub(crate) fn new<const D: usize>(mesh: &Mesh, pattern: &Pattern) -> Self {
+        let mut matrix = SymmetricMatrix::zeros(pattern);
         let mut area = 0.0;
-        for cell in 0..dofs.mesh.num_cells() {
-            let (entries, cell_area) = cell_laplacian::<D>(&dofs.mesh, cell);
-            matrix.add_cell(&dofs.pattern, cell, &entries);
+        for cell in 0..mesh.num_cells() {
+            let (entries, cell_area) = cell_laplacian::<D>(mesh, cell);
+            matrix.add_cell(pattern, cell, &entries);
             area += cell_area;
         }
         Self { matrix, area }

@@ -14,7 +14,7 @@ use crate::observation::pixel_mask::PixelMask;
 use crate::projection::projected_points::{pixel_bounds, project_nodes};
 use crate::results::solution::Iteration;
 use crate::solve::gauss_newton::GaussNewton;
-use crate::solve::level::{Level, LevelSettings, Smoothing};
+use crate::solve::level::{Comparison, Level, LevelSettings, Smoothing};
 use crate::{Brightness, Error, Gradient, Hessian, Monitor, Quadrature};
 
 /// Smallest extent of the mesh in the coarsest image, in pixels: so few that any motion within the image is of the order of one.
@@ -118,7 +118,7 @@ impl<const D: usize> Pyramid<D> {
             };
             let solution = level.solve(
                 dofs,
-                (&interpolator, brightness, None),
+                &Comparison { deformed: &interpolator, brightness, full_scale: None, robust: None },
                 &iterations,
                 (displacement, rest),
                 history,

@@ -37,7 +37,7 @@ fn measure(dofs: &Dofs<PLANE>, images: &[Image; 2], compact: bool) -> [Vec<[f64;
         max_increment: SIZE as f64,
     };
     let start = vec![[0.0; PLANE]; dofs.mesh.num_nodes()];
-    let image = (&deformed, Brightness::Global, None);
+    let image = Comparison { deformed: &deformed, brightness: Brightness::Global, full_scale: None, robust: None };
     let outcome = level.solve(dofs, image, &iterations, (start, &[]), &mut Vec::new(), &()).unwrap().outcome;
     assert!(outcome.converged);
     let prepared = (&level.observation, &level.factor);

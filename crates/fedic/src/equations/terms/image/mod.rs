@@ -1,11 +1,18 @@
 //! Image term of one observation: the squared grey-level residual between the reference and the deformed image.
 
+pub(crate) mod adaptive;
+pub(crate) mod light;
+pub(crate) mod robust;
+
 use fedic_image::Interpolator;
 use fedic_mesh::{MAX_NODES, Mesh};
 
 use crate::equations::basis::Basis;
 use crate::equations::normal_equations::{CellEquations, CellShare, NormalEquations};
 use crate::equations::term::{CellAgreement, Term, TermReport};
+use crate::equations::terms::image::adaptive::{AdaptedCell, Adaptive, Found};
+use crate::equations::terms::image::light::{LightField, LightSystem};
+use crate::equations::terms::image::robust::{CellNeighbours, RobustWeights};
 use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::kernels::cell_matrix::CellMatrix;
 use crate::kernels::node_sums::add_node_sums;
@@ -21,7 +28,7 @@ use crate::parallel::for_each_in_order;
 use crate::projection::cell_projection::CellProjection;
 use crate::projection::polynomial_basis::PolynomialBasis;
 use crate::projection::projected_points::{ProjectedPoint, project_nodes};
-use crate::{Brightness, Error, Monitor, SolveError};
+use crate::{Brightness, Error, Monitor, Robust, SolveError};
 
 /// Motion in pixels up to which the polynomials of the cells are not compared with the camera again.
 const UNCHECKED_MOTION: f64 = 1.0;
@@ -46,6 +53,8 @@ pub(crate) struct ImageTerm<'a, const D: usize> {
     /// Standard deviation of the smoothing of the deformed image, in pixels.
     smoothing: f64,
     used_points: UsedPoints,
+    /// Light as a field and robust weights.
+    adaptive: Adaptive<'a>,
     /// Block of each node on the diagonal of the Hessian assembled last; `None` before the first.
     node_blocks: Option<Vec<[[f64; D]; D]>>,
 }
@@ -78,6 +87,9 @@ struct CellResult<S> {
     accepted: bool,
     /// Points without weight, if there are any.
     unused: Option<Box<[bool]>>,
+    /// Weight of the points before their robust weights.
+    weight: f64,
+    found: Found,
 }
 
 impl<'a, const D: usize> ImageTerm<'a, D> {
@@ -101,6 +113,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             saturated: None,
             smoothing: 0.0,
             used_points: UsedPoints::default(),
+            adaptive: Adaptive::default(),
             node_blocks: None,
         }
     }
@@ -134,6 +147,58 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         self.node_blocks.as_deref().unwrap_or(&self.observation.node_blocks)
     }
 
+    /// Light as a field and weights of the points, as found last.
+    pub(crate) fn adaptive(&self) -> &Adaptive<'a> {
+        &self.adaptive
+    }
+
+    /// Leaves out some cells from now on, and returns the number of those that were not left out yet.
+    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> usize {
+        self.adaptive.drop_cells(cells)
+    }
+
+    /// Makes the light a field, starting from gain and offset over the mesh as found last, and weighs the points by their residual.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`] if `monitor` asks to stop; [`SolveError::TooLarge`] if the light does not fit in memory.
+    pub(crate) fn adapt(
+        &mut self,
+        displacement: &[[f64; D]],
+        light: Option<&'a LightSystem>,
+        robust: Option<(Robust, &'a CellNeighbours)>,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Error> {
+        let mut all = Moments::default();
+        self.observation.moments.iter().for_each(|cell| all.add(cell));
+        let contrast = all.std_f();
+        let light = light.map(|system| LightField::uniform(system, contrast, self.gain_offset));
+        let robust = robust.map(|(function, neighbours)| RobustWeights::new(function, neighbours, contrast));
+        // The scale of the residuals is that after the correction by the light.
+        let passes = usize::from(light.is_some()) + usize::from(robust.is_some());
+        self.adaptive = Adaptive::new(light, robust);
+        let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
+        for _ in 0..passes {
+            let mut all = self.adaptive.all_found();
+            for_each_in_order(
+                0..self.mesh.num_cells(),
+                monitor,
+                |workspace: &mut Workspace<D>, _, cell| {
+                    let next = CellPrefetch::new(self.deformed, self.mesh, Some(cell + 1), &nodes);
+                    let projection = CellProjection::new(self.mesh, cell, &nodes, self.observation.camera.as_ref());
+                    let context = self.context(cell, projection);
+                    let exclusion = self.exclusion(cell, &nodes);
+                    let read =
+                        read_deformed(self.observation, self.deformed, workspace, &context, exclusion, next.as_ref());
+                    (self.adapted(workspace, &context, &read).found, read.moments.weight)
+                },
+                |cell, (found, weight)| self.adaptive.add(&mut all, cell, found, weight),
+            )?;
+            self.adaptive.take(all, false)?;
+        }
+        Ok(())
+    }
+
     /// Estimates gain and offset over the mesh from some of its cells.
     ///
     /// Those over all cells are known only at the end of a pass. A pass uses those found before, and the right-hand side is brought
@@ -149,7 +214,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         monitor: &dyn Monitor,
     ) -> Result<(), Error> {
         self.gain_offset = GainOffset::IDENTITY;
-        if self.brightness != Brightness::Global {
+        if matches!(self.brightness, Brightness::None | Brightness::Element) {
             return Ok(());
         }
         let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
@@ -214,8 +279,31 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
     fn found_gain_offset(&self, moments: &Moments) -> GainOffset {
         match self.brightness {
             Brightness::Global => moments.gain_offset(f64::from(self.observation.grey_origin)),
+            // The grey levels were corrected by the field before.
+            Brightness::Field if self.adaptive.light.is_some() => GainOffset::IDENTITY,
+            Brightness::Field | Brightness::Auto => moments.gain_offset(f64::from(self.observation.grey_origin)),
             Brightness::None | Brightness::Element => GainOffset::IDENTITY,
         }
+    }
+
+    /// Gain and offset, of grey levels counted from the origin, of a cell with these moments.
+    fn gain_offset_of_cell(&self, moments: &Moments) -> GainOffset {
+        match self.brightness {
+            Brightness::Element => moments.gain_offset(f64::from(self.observation.grey_origin)),
+            _ if self.adaptive.light.is_some() => GainOffset::IDENTITY,
+            _ => self.gain_offset,
+        }
+    }
+
+    fn adapted(
+        &self,
+        workspace: &mut Workspace<D>,
+        context: &CellContext<'_, D>,
+        deformed: &DeformedCell,
+    ) -> AdaptedCell {
+        let nodes = self.mesh.cell(context.cell).nodes;
+        let gain_offset = |moments: &Moments| self.gain_offset_of_cell(moments);
+        self.adaptive.read(self.observation, workspace, (context, nodes), deformed, gain_offset)
     }
 
     /// Change of the right-hand side, to first order, from one gain and offset to another.
@@ -250,18 +338,18 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         let next = CellPrefetch::new(self.deformed, mesh, next, nodes);
         let context = self.context(cell, projection);
         let exclusion = self.exclusion(cell, nodes);
-        let DeformedCell { mut moments, unused } =
-            read_deformed(observation, self.deformed, workspace, &context, exclusion, next.as_ref());
+        let read = read_deformed(observation, self.deformed, workspace, &context, exclusion, next.as_ref());
+        let adapted = (!self.adaptive.is_empty()).then(|| self.adapted(workspace, &context, &read));
+        let are_weights_own = read.unused.is_some() || adapted.is_some();
+        let (mut moments, found) =
+            adapted.map_or((read.moments, Found::default()), |adapted| (adapted.moments, adapted.found));
         let of_reference = observation.moments[cell].weight;
-        let part = if unused.is_some() && of_reference > 0.0 { moments.weight / of_reference } else { 1.0 };
+        let part = if are_weights_own && of_reference > 0.0 { moments.weight / of_reference } else { 1.0 };
         let correction = filter.and_then(|filter| filter.cell(mesh, cell, nodes));
         correction.iter().for_each(|correction| moments = corrected_moments(moments, correction, part));
         next.iter().for_each(CellPrefetch::prefetch_lower_half);
         let origin = f64::from(observation.grey_origin);
-        let gain_offset = match self.brightness {
-            Brightness::Element => moments.gain_offset(origin),
-            Brightness::None | Brightness::Global => self.gain_offset,
-        };
+        let gain_offset = self.gain_offset_of_cell(&moments);
         let GainOffset { gain, offset } = gain_offset.counted_from_zero(origin);
         let samples = observation.samples.cell(cell);
         let basis = PolynomialBasis::of(context.cell_type);
@@ -273,7 +361,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             observation.exact_sensitivities(mesh, workspace, cell);
         }
         let Workspace { projector, points: buffers, weighted, .. } = workspace;
-        let weights = if unused.is_some() { Some(&*buffers.weights) } else { samples.weights };
+        let weights = if are_weights_own { Some(&*buffers.weights) } else { samples.weights };
         context.for_each_chunk(&mut projector.shapes, |chunk, points| {
             let weights = weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
             if let Some(jacobian) = jacobian {
@@ -305,19 +393,28 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             squares = (squares - part * correction.squares).max(0.0);
         }
         let (scatter, correlation) = moments.regression(squares, gain_offset, origin);
+        let agreement = CellAgreement {
+            residual: (squares / moments.weight).sqrt(),
+            scatter,
+            correlation,
+            used: read.moments.weight / observation.full_weights[cell],
+            weighed: found.weighed,
+            is_dropped: self.adaptive.is_dropped(cell),
+            is_partial: read.unused.is_some(),
+        };
+        if agreement.is_dropped {
+            (sums, squares, moments) = ([[0.0; D]; MAX_NODES], 0.0, Moments::default());
+            matrix.iter_mut().for_each(|matrix| matrix.scale(0.0));
+        }
         CellResult {
             share: CellEquations { sums, matrix },
             squares,
             moments,
-            agreement: CellAgreement {
-                residual: (squares / moments.weight).sqrt(),
-                scatter,
-                correlation,
-                used: moments.weight / observation.full_weights[cell],
-                is_partial: unused.is_some(),
-            },
+            agreement,
             accepted: context.projection.polynomial.is_some(),
-            unused,
+            weight: read.moments.weight,
+            unused: read.unused,
+            found,
         }
     }
 }
@@ -341,13 +438,14 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
         let (mut accepted, mut unused) = (Vec::with_capacity(num_cells), Vec::with_capacity(num_cells));
         let mut node_blocks = pass.with_hessian.then(|| vec![[[0.0; D]; D]; self.mesh.num_nodes()]);
         let mut moments = Moments::default();
+        let mut all = self.adaptive.all_found();
         let cell_at = |index: usize| self.subset.map_or(index, |cells| cells[index]);
         for_each_in_order(
             0..num_cells,
             monitor,
             |workspace: &mut Workspace<D>, index, _| {
                 let cell = cell_at(index);
-                let CellResult { share, squares, moments, agreement, accepted, unused } =
+                let CellResult { share, squares, moments, agreement, accepted, unused, weight, found } =
                     self.evaluate_cell(workspace, index, cell, &nodes, pass);
                 let of_cell = self.mesh.cell(cell).nodes;
                 let blocks = share
@@ -355,7 +453,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
                     .as_ref()
                     .map(|matrix| (0..of_cell.len()).map(|a| matrix.node_block(a)).collect::<Vec<_>>());
                 let share: (CellShare<D>, _) = (basis.reduce(of_cell, share), blocks);
-                CellResult { share, squares, moments, agreement, accepted, unused }
+                CellResult { share, squares, moments, agreement, accepted, unused, weight, found }
             },
             |index, result| {
                 let cell = cell_at(index);
@@ -369,6 +467,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
                 report.cells.push(result.agreement);
                 accepted.push(result.accepted);
                 unused.push(result.unused);
+                self.adaptive.add(&mut all, cell, result.found, result.weight);
             },
         )?;
         report.weight = moments.weight;
@@ -381,6 +480,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
                 return Err(Error::Flat { which: "deformed", std: moments.std_g() });
             }
             self.used_points.update(unused, pass.with_hessian);
+            self.adaptive.take(all, pass.with_hessian)?;
             if self.brightness == Brightness::Global {
                 basis.add_material_vector(-1.0, &self.photometric_change(self.gain_offset, found), equations);
             }
@@ -395,11 +495,11 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
     }
 
     fn needs_hessian(&self) -> bool {
-        self.used_points.needs_hessian()
+        self.used_points.needs_hessian() || self.adaptive.needs_hessian()
     }
 
     fn has_changed(&self) -> bool {
-        self.used_points.changed_since_hessian()
+        self.used_points.changed_since_hessian() || self.adaptive.has_changed()
     }
 
     fn pixel_lengths(&mut self, increment: &[[f64; D]]) -> Option<Vec<f64>> {
@@ -411,6 +511,7 @@ impl<const D: usize> Term<D> for ImageTerm<'_, D> {
         let largest = lengths.iter().copied().fold(0.0, f64::max);
         self.polynomials.advance(largest);
         self.used_points.advance(largest);
+        self.adaptive.advance(largest);
         Some(lengths)
     }
 }

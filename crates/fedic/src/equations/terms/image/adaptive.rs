@@ -1,0 +1,245 @@
+//! What an image term finds from the residuals themselves: the light as a field and the robust weights of the points.
+//!
+//! Both are found anew in each pass from the residuals of the pass before, and frozen once the displacement hardly moves.
+
+use crate::equations::term::WeighedCell;
+use crate::equations::terms::image::light::{LightField, LightShare, LightSums};
+use crate::equations::terms::image::robust::{CellResiduals, RobustWeights};
+use crate::kernels::cell_matrix::CellMatrix;
+use crate::kernels::node_sums::add_node_sums;
+use crate::kernels::polynomial::pixel_coordinates;
+use crate::kernels::residual::{GreyLevels, weighted_residuals};
+use crate::observation::cell_context::CellContext;
+use crate::observation::deformed_pass::{DeformedCell, cell_moments};
+use crate::observation::observe::Observation;
+use crate::observation::photometry::{GainOffset, Moments};
+use crate::observation::workspace::Workspace;
+use crate::projection::polynomial_basis::PolynomialBasis;
+use crate::SolveError;
+
+/// Correction in pixels below which weights and light are frozen.
+const FROZEN_CORRECTION: f64 = 0.02;
+/// Change of the light, in units of the contrast, below which it is frozen.
+const FROZEN_LIGHT: f64 = 2e-3;
+/// Number of passes after which they are frozen, however large the corrections are.
+const FROZEN_AFTER: usize = 10;
+/// Change of the share of the weight that is kept from which on a new Hessian is assembled.
+const CHANGE_OF_KEPT: f64 = 0.01;
+
+/// Light and weights of the points of one deformed image.
+#[derive(Default)]
+pub(crate) struct Adaptive<'a> {
+    pub(crate) light: Option<LightField<'a>>,
+    pub(crate) robust: Option<RobustWeights<'a>>,
+    frozen: bool,
+    passes: usize,
+    light_change: f64,
+    /// Share of the weight of all points that was kept in the last pass, and in that which assembled the last Hessian.
+    kept: f64,
+    kept_in_hessian: f64,
+    /// Whether the last Hessian has the frozen weights.
+    is_hessian_final: bool,
+}
+
+/// One cell read with the light and the weights.
+pub(crate) struct AdaptedCell {
+    /// Moments with the weights, of the deformed image after the correction by the light.
+    pub(crate) moments: Moments,
+    /// What the next pass depends on.
+    pub(crate) found: Found,
+}
+
+/// What is found of a cell for the next pass.
+#[derive(Default)]
+pub(crate) struct Found {
+    pub(crate) weighed: Option<WeighedCell>,
+    weights: Option<Box<[f32]>>,
+    residuals: Option<CellResiduals>,
+    light: Option<LightShare>,
+}
+
+/// What is found over all cells for the next pass.
+pub(crate) struct AllFound {
+    light: Option<LightSums>,
+    residuals: Vec<CellResiduals>,
+    weights: Vec<Option<Box<[f32]>>>,
+    kept: f64,
+    weight: f64,
+}
+
+impl<'a> Adaptive<'a> {
+    pub(crate) fn new(light: Option<LightField<'a>>, robust: Option<RobustWeights<'a>>) -> Self {
+        Self { light, robust, kept: 1.0, kept_in_hessian: 1.0, ..Self::default() }
+    }
+
+    /// Whether there is neither light nor weights to be found.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.light.is_none() && self.robust.is_none()
+    }
+
+    pub(crate) fn is_dropped(&self, cell: usize) -> bool {
+        self.robust.as_ref().is_some_and(|robust| robust.is_dropped(cell))
+    }
+
+    /// Leaves out some cells from now on, finds the weights anew, and returns the number of cells that were not left out yet.
+    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> usize {
+        let Some(robust) = &mut self.robust else { return 0 };
+        let dropped = robust.drop_cells(cells);
+        if dropped > 0 {
+            (self.frozen, self.passes, self.is_hessian_final) = (false, 0, false);
+        }
+        dropped
+    }
+
+    /// Whether a new Hessian is to be assembled.
+    pub(crate) fn needs_hessian(&self) -> bool {
+        self.is_stale() || (self.kept - self.kept_in_hessian).abs() > CHANGE_OF_KEPT
+    }
+
+    /// Whether light and weights still change, or the last Hessian has other weights.
+    pub(crate) fn has_changed(&self) -> bool {
+        !self.is_empty() && (!self.frozen || self.is_stale())
+    }
+
+    fn is_stale(&self) -> bool {
+        let is_active = self.robust.as_ref().is_some_and(RobustWeights::is_active);
+        self.frozen && !self.is_hessian_final && (is_active || self.kept_in_hessian < 1.0)
+    }
+
+    /// Takes note of the largest correction, in pixels.
+    pub(crate) fn advance(&mut self, correction: f64) {
+        self.passes += 1;
+        let is_near = correction <= FROZEN_CORRECTION && self.light_change <= FROZEN_LIGHT;
+        self.frozen |= is_near || self.passes >= FROZEN_AFTER;
+    }
+
+    /// Corrects the grey levels of a cell, in `workspace.points.grey`, by the light, and writes the weights of its points to
+    /// `workspace.points.weights`. `gain_offset` gives gain and offset from moments, without light.
+    pub(crate) fn read<const D: usize>(
+        &self,
+        observation: &Observation<D>,
+        workspace: &mut Workspace<D>,
+        (context, nodes): (&CellContext<'_, D>, &[u32]),
+        deformed: &DeformedCell,
+        gain_offset: impl Fn(&Moments) -> GainOffset,
+    ) -> AdaptedCell {
+        let (cell, count) = (context.cell, context.count());
+        let samples = observation.samples.cell(cell);
+        let origin = observation.grey_origin;
+        let Workspace { projector, points: buffers, .. } = workspace;
+        let (shapes, pixel) = (&mut projector.shapes, &mut projector.pixel);
+        if deformed.unused.is_none() {
+            match samples.weights {
+                Some(weights) => buffers.weights.copy_from_slice(weights),
+                None => buffers.weights[..count].fill(1.0),
+            }
+        }
+        if let Some(light) = &self.light {
+            let inverse = (1.0 / light.unit()) as f32;
+            let over_cell = light.over_cell(context.cell_type, nodes);
+            context.for_each_chunk(shapes, |chunk, points| {
+                let [contrast, level] = pixel.each_mut().map(|row| &mut row[..chunk.padded()]);
+                pixel_coordinates(chunk, &over_cell, contrast, level);
+                let (grey, scaled) = (&mut buffers.grey[points.clone()], &mut buffers.scaled[points]);
+                for (((grey, scaled), contrast), level) in grey.iter_mut().zip(scaled).zip(contrast).zip(level) {
+                    *scaled = (*grey - origin) * inverse;
+                    *grey = *contrast * *scaled + *level + origin;
+                }
+            });
+        }
+        let gain_offset = if self.light.is_some() {
+            GainOffset::IDENTITY
+        } else {
+            gain_offset(&deformed.moments).counted_from_zero(f64::from(origin))
+        };
+        let mut found = Found::default();
+        if let Some(robust) = &self.robust {
+            let (gain, offset) = (gain_offset.gain as f32, gain_offset.offset as f32);
+            let residuals = &mut buffers.residual[..count];
+            for ((r, f), g) in residuals.iter_mut().zip(samples.value).zip(buffers.grey.iter()) {
+                *r = f - (gain * g + offset);
+            }
+            let base = Some(&buffers.weights[..count]);
+            let mut new = None;
+            if !self.frozen {
+                found.residuals = Some(robust.residuals_of(cell, residuals, base));
+                new = robust.of_residuals(cell, residuals, base);
+            }
+            let weights = if self.frozen { robust.last(cell) } else { new.as_deref() };
+            found.weighed = robust.effect(cell, residuals, base, weights);
+            if let Some(weights) = weights {
+                buffers.weights.iter_mut().zip(weights).for_each(|(own, weight)| *own *= weight);
+            }
+            found.weights = new;
+        }
+        let weights = Some(&*buffers.weights);
+        let weight = buffers.weights[..count].iter().copied().map(f64::from).sum::<f64>();
+        let level = f64::from(origin);
+        let [f, ff] = cell_moments(context, shapes, samples.value, weights, weight, level);
+        let [g, gg] = cell_moments(context, shapes, &buffers.grey, weights, weight, level);
+        let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| samples.scale * sum);
+        if self.light.is_some() && !self.frozen && !self.is_dropped(cell) {
+            let mut share =
+                LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()), weight };
+            let shape = PolynomialBasis::of(context.cell_type).shape_monomials();
+            let weighted = &mut workspace.weighted;
+            context.for_each_chunk(shapes, |chunk, points| {
+                let q = [&buffers.scaled[points.clone()], chunk.ones()];
+                let weights = &buffers.weights[points.clone()];
+                share.matrix.add(chunk, q, weights);
+                // The residual against a zero image with the origin as offset is the grey level counted from the origin.
+                let reference = &samples.value[points];
+                let grey = GreyLevels { reference, deformed: reference, weights, gain_offset: [0.0, origin] };
+                let weighted = &mut weighted[..chunk.padded()];
+                weighted_residuals(grey, weighted);
+                add_node_sums(shape, chunk, q, weighted, &mut share.sums);
+            });
+            share.matrix.scale(samples.scale);
+            share.sums.as_flattened_mut().iter_mut().for_each(|sum| *sum *= samples.scale);
+            found.light = Some(share);
+        }
+        AdaptedCell { moments: Moments { weight, f, ff, g, gg }, found }
+    }
+
+    /// Sums without any cell.
+    pub(crate) fn all_found(&self) -> AllFound {
+        let light = if self.frozen { None } else { self.light.as_ref().map(|light| light.system().sums()) };
+        AllFound { light, residuals: Vec::new(), weights: Vec::new(), kept: 0.0, weight: 0.0 }
+    }
+
+    /// Adds what is found of the next cell, of this weight before its points were weighed.
+    pub(crate) fn add(&self, all: &mut AllFound, cell: usize, found: Found, weight: f64) {
+        if let (Some(sums), Some(share), Some(light)) = (&mut all.light, &found.light, &self.light) {
+            light.system().add(sums, cell, share);
+        }
+        let kept = if self.is_dropped(cell) { 0.0 } else { found.weighed.map_or(1.0, |weighed| weighed.kept) };
+        all.weight += weight;
+        all.kept += kept * weight;
+        all.residuals.extend(found.residuals);
+        all.weights.push(found.weights);
+    }
+
+    /// Takes what was found in a pass, and whether it assembled a Hessian.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::TooLarge`] if the light does not fit in memory.
+    pub(crate) fn take(&mut self, all: AllFound, with_hessian: bool) -> Result<(), SolveError> {
+        self.kept = if all.weight > 0.0 { all.kept / all.weight } else { 1.0 };
+        if with_hessian {
+            self.kept_in_hessian = self.kept;
+            self.is_hessian_final = self.frozen;
+        }
+        if self.frozen {
+            return Ok(());
+        }
+        if let (Some(light), Some(sums)) = (&mut self.light, all.light) {
+            self.light_change = light.fit(sums)?;
+        }
+        if let Some(robust) = &mut self.robust {
+            robust.rescale(&all.residuals);
+            robust.keep(all.weights);
+        }
+        Ok(())
+    }
+}
