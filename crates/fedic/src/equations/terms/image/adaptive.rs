@@ -2,6 +2,7 @@
 //!
 //! Both are found anew in each pass from the residuals of the pass before, and frozen once the displacement hardly moves.
 
+use crate::SolveError;
 use crate::equations::term::WeighedCell;
 use crate::equations::terms::image::light::{LightField, LightShare, LightSums};
 use crate::equations::terms::image::robust::{CellResiduals, RobustWeights};
@@ -15,7 +16,6 @@ use crate::observation::observe::Observation;
 use crate::observation::photometry::{GainOffset, Moments};
 use crate::observation::workspace::Workspace;
 use crate::projection::polynomial_basis::PolynomialBasis;
-use crate::SolveError;
 
 /// Correction in pixels below which weights and light are frozen.
 const FROZEN_CORRECTION: f64 = 0.02;
@@ -25,7 +25,6 @@ const FROZEN_LIGHT: f64 = 2e-3;
 const FROZEN_AFTER: usize = 10;
 /// Change of the share of the weight that is kept from which on a new Hessian is assembled.
 const CHANGE_OF_KEPT: f64 = 0.01;
-
 /// Light and weights of the points of one deformed image.
 #[derive(Default)]
 pub(crate) struct Adaptive<'a> {
@@ -109,7 +108,8 @@ impl<'a> Adaptive<'a> {
     /// Takes note of the largest correction, in pixels.
     pub(crate) fn advance(&mut self, correction: f64) {
         self.passes += 1;
-        let is_near = correction <= FROZEN_CORRECTION && self.light_change <= FROZEN_LIGHT;
+        let is_strict = self.robust.as_ref().is_none_or(RobustWeights::is_strict);
+        let is_near = is_strict && correction <= FROZEN_CORRECTION && self.light_change <= FROZEN_LIGHT;
         self.frozen |= is_near || self.passes >= FROZEN_AFTER;
     }
 
@@ -179,10 +179,9 @@ impl<'a> Adaptive<'a> {
         let [g, gg] = cell_moments(context, shapes, &buffers.grey, weights, weight, level);
         let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| samples.scale * sum);
         if self.light.is_some() && !self.frozen && !self.is_dropped(cell) {
-            let mut share =
-                LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()), weight };
             let shape = PolynomialBasis::of(context.cell_type).shape_monomials();
             let weighted = &mut workspace.weighted;
+            let mut share = LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()), weight };
             context.for_each_chunk(shapes, |chunk, points| {
                 let q = [&buffers.scaled[points.clone()], chunk.ones()];
                 let weights = &buffers.weights[points.clone()];

@@ -14,7 +14,7 @@ use crate::quadrature::monomials::{MONOMIALS, UP_TO_DEGREE};
 /// Unknowns of a node: contrast and level.
 const LIGHT: usize = 2;
 /// Wavelength, in cells, of the variations of light that the penalty on their gradient halves.
-const WAVELENGTH: f64 = 4.0;
+const WAVELENGTH: f64 = 2.5;
 /// Share of the mean diagonal that is added to it, so that light is known where no point is.
 const RIDGE: f64 = 1e-6;
 

@@ -18,6 +18,8 @@ const OUTLIER: f32 = 4.685;
 const HUBER: f32 = 1.345;
 /// Largest number of points of a cell whose median is taken.
 const SAMPLES: usize = 128;
+/// Factor on the scale of the first weights; it is halved in each pass, down to one.
+const FIRST_TOLERANCE: f64 = 8.0;
 
 impl Robust {
     /// Weight of a residual in units of the scale.
@@ -94,6 +96,8 @@ pub(crate) struct RobustWeights<'a> {
     min_scale: f64,
     /// Median of all residuals.
     centre: f32,
+    /// Factor on the scale, which falls to one: a displacement or a light that is wrong at first is no damage.
+    tolerance: f64,
     /// Scale of the residuals of each cell; empty before they were seen.
     scales: Vec<f32>,
     /// Weights of the points found last; absent in cells without outliers.
@@ -110,10 +114,16 @@ impl<'a> RobustWeights<'a> {
             neighbours,
             min_scale: MIN_SCALE * contrast,
             centre: 0.0,
+            tolerance: FIRST_TOLERANCE,
             scales: Vec::new(),
             weights: Vec::new(),
             dropped: vec![false; neighbours.starts.len() - 1],
         }
+    }
+
+    /// Whether the weights are those of the scale of the residuals. The first ones are those of a larger scale.
+    pub(crate) fn is_strict(&self) -> bool {
+        self.tolerance == 1.0
     }
 
     pub(crate) fn is_dropped(&self, cell: usize) -> bool {
@@ -197,6 +207,7 @@ impl<'a> RobustWeights<'a> {
             return;
         }
         self.centre = centre;
+        self.tolerance = if self.scales.is_empty() { FIRST_TOLERANCE } else { (0.5 * self.tolerance).max(1.0) };
         let least = (OF_MEDIAN * f64::from(deviation)).max(self.min_scale);
         self.scales = (0..cells.len())
             .map(|cell| {
@@ -205,7 +216,7 @@ impl<'a> RobustWeights<'a> {
                 around.sort_unstable_by(f32::total_cmp);
                 let at = ((NEIGHBOUR_QUANTILE * around.len() as f64) as usize).min(around.len().saturating_sub(1));
                 let scale = around.get(at).map_or(0.0, |&deviation| OF_MEDIAN * f64::from(deviation));
-                scale.max(least) as f32
+                (self.tolerance * scale.max(least)) as f32
             })
             .collect();
     }
