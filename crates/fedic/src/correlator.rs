@@ -489,7 +489,8 @@ impl Correlator {
     }
 
     fn pyramid_of(&self, reduced: &Image, monitor: &dyn Monitor) -> Result<Pyramid<PLANE>, Error> {
-        let laplacian = self.laplacian.get_or_init(|| Arc::new(Laplacian::new::<PLANE>(&self.dofs.mesh, &self.dofs.pattern)));
+        let laplacian =
+            self.laplacian.get_or_init(|| Arc::new(Laplacian::new::<PLANE>(&self.dofs.mesh, &self.dofs.pattern)));
         Pyramid::new(&self.dofs, &self.camera, reduced, laplacian, self.mask.as_deref(), monitor)
     }
 

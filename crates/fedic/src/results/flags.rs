@@ -54,7 +54,8 @@ flags! {
 
 impl CellFlag {
     /// Flags of a cell that is not valid; those with another flag are doubtful.
-    pub const INVALID: &'static [Self] = &[Self::FewPoints, Self::Uncorrelated, Self::WeakTexture, Self::Folded, Self::Damaged];
+    pub const INVALID: &'static [Self] =
+        &[Self::FewPoints, Self::Uncorrelated, Self::WeakTexture, Self::Folded, Self::Damaged];
 
     /// Whether a cell with these bits is not valid.
     #[must_use]

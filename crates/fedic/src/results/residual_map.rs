@@ -66,10 +66,9 @@ pub(crate) fn residual_map<const D: usize>(
                 let [u, v] = batch.pixels();
                 images.deformed.values(u, v, &mut g[..len]);
                 if let Some(light) = images.light {
-                    let origin = f64::from(observation.grey_origin);
                     for (k, g) in g[..len].iter_mut().enumerate() {
                         let shapes = shape_values(cell_type, batch.coordinates(k));
-                        *g = light.corrected(mesh.cell(cell).nodes, &shapes, f64::from(*g) - origin) as f32 + origin as f32;
+                        *g = light.corrected(mesh.cell(cell).nodes, &shapes, f64::from(*g)) as f32;
                     }
                 }
                 let grey = |k: usize| [f[k], g[k]].map(f64::from);

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use fedic_mesh::{CellType, Mesh};
 
-use crate::{PLANE, Robust};
 use crate::equations::deformation::folded_cells;
 use crate::equations::term::CellAgreement;
 use crate::projection::projected_points::project_nodes;
@@ -15,6 +14,7 @@ use crate::results::quality::{
     GRADIENT_TO_NOISE, MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE,
 };
 use crate::solve::level::{Level, LevelSolution};
+use crate::{PLANE, Robust};
 
 /// Root mean square of the gradient of unit white noise, interpolated by splines without smoothing, about.
 const NOISE_GRADIENT: f64 = 0.7;

@@ -7,9 +7,10 @@ use fedic_image::Interpolator;
 use fedic_mesh::{CellType, Mesh};
 use fedic_sparse::{Factor, SymmetricMatrix};
 
+use crate::equations::deformation::folded_cells;
 use crate::equations::dofs::Dofs;
+use crate::equations::term::CellAgreement;
 use crate::equations::terms::curvature::Curvature;
-use crate::equations::term::{CellAgreement, TermReport};
 use crate::equations::terms::image::ImageTerm;
 use crate::equations::terms::image::light::LightSystem;
 use crate::equations::terms::image::robust::CellNeighbours;
@@ -149,7 +150,16 @@ impl<const D: usize> Level<D> {
             hold_weak_nodes(dofs, &mut hessian);
         }
         let factor = dofs.factorize(&hessian, settings.compact, &observation.quadrature)?;
-        Ok(Self { observation, textures, subset, factor, filter: settings.filter, penalty, light: OnceLock::new(), neighbours: OnceLock::new() })
+        Ok(Self {
+            observation,
+            textures,
+            subset,
+            factor,
+            filter: settings.filter,
+            penalty,
+            light: OnceLock::new(),
+            neighbours: OnceLock::new(),
+        })
     }
 
     /// The image term of a deformed image.
@@ -198,8 +208,8 @@ impl<const D: usize> Level<D> {
                 None => iterations.run(&mut [&mut image], &mut basis, displacement, history, monitor),
             };
             let outcome = outcome.map_err(|error| dofs.in_user_nodes(error))?;
-            let damaged = images.robust.map_or(Vec::new(), |robust| damaged_cells(robust, &outcome.reports));
-            if round == MAX_ROUNDS || image.drop_cells(damaged) == 0 {
+            let damaged = images.robust.map(|robust| damaged_cells(robust, &dofs.mesh, &outcome)).unwrap_or_default();
+            if round == MAX_ROUNDS || !image.drop_cells(damaged) {
                 return Ok(LevelSolution { outcome, node_blocks: image.node_blocks().to_vec() });
             }
             displacement = outcome.displacement;
@@ -235,11 +245,12 @@ impl<const D: usize> Level<D> {
     }
 }
 
-/// Cells that robust weights show to be damaged: most of their points are outliers, or they do not correlate.
-fn damaged_cells(robust: Robust, reports: &[TermReport]) -> Vec<usize> {
-    let cells = reports.iter().flat_map(|report| report.cells.iter().enumerate());
+/// Cells that are damaged: most of their points are outliers, they do not correlate, or they are folded.
+fn damaged_cells<const D: usize>(robust: Robust, mesh: &Mesh, outcome: &Outcome<D>) -> Vec<usize> {
+    let folded = folded_cells(mesh, &outcome.displacement);
+    let cells = outcome.reports.iter().flat_map(|report| report.cells.iter().enumerate());
     let is_damaged = |cell: &CellAgreement| cell.kept() < robust.min_kept() || cell.correlation < MIN_CORRELATION;
-    cells.filter(|(_, cell)| is_damaged(cell)).map(|(index, _)| index).collect()
+    cells.filter(|(index, cell)| is_damaged(cell) || folded[*index]).map(|(index, _)| index).collect()
 }
 
 /// Area and texture of each cell, from the trace of its Hessian and its weight.

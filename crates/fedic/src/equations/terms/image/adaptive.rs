@@ -21,8 +21,11 @@ use crate::projection::polynomial_basis::PolynomialBasis;
 const FROZEN_CORRECTION: f64 = 0.02;
 /// Change of the light, in units of the contrast, below which it is frozen.
 const FROZEN_LIGHT: f64 = 2e-3;
+/// Correction in pixels below which the weights become stricter, and number of passes after which they do anyway.
+const SMALL_CORRECTION: f64 = 0.2;
+const STRICTER_AFTER: usize = 6;
 /// Number of passes after which they are frozen, however large the corrections are.
-const FROZEN_AFTER: usize = 10;
+const FROZEN_AFTER: usize = 12;
 /// Change of the share of the weight that is kept from which on a new Hessian is assembled.
 const CHANGE_OF_KEPT: f64 = 0.01;
 /// Light and weights of the points of one deformed image.
@@ -33,6 +36,10 @@ pub(crate) struct Adaptive<'a> {
     frozen: bool,
     passes: usize,
     light_change: f64,
+    /// Cells that were damaged in the last pass.
+    damaged: Vec<usize>,
+    /// Number of cells left out when the weights were frozen.
+    dropped: usize,
     /// Share of the weight of all points that was kept in the last pass, and in that which assembled the last Hessian.
     kept: f64,
     kept_in_hessian: f64,
@@ -62,6 +69,7 @@ pub(crate) struct AllFound {
     light: Option<LightSums>,
     residuals: Vec<CellResiduals>,
     weights: Vec<Option<Box<[f32]>>>,
+    damaged: Vec<usize>,
     kept: f64,
     weight: f64,
 }
@@ -80,14 +88,15 @@ impl<'a> Adaptive<'a> {
         self.robust.as_ref().is_some_and(|robust| robust.is_dropped(cell))
     }
 
-    /// Leaves out some cells from now on, finds the weights anew, and returns the number of cells that were not left out yet.
-    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> usize {
-        let Some(robust) = &mut self.robust else { return 0 };
-        let dropped = robust.drop_cells(cells);
+    /// Leaves out some cells from now on. If there are new ones, or were when the weights were frozen, finds the weights anew and
+    /// returns true.
+    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> bool {
+        let Some(robust) = &mut self.robust else { return false };
+        let dropped = robust.drop_cells(cells) + std::mem::take(&mut self.dropped);
         if dropped > 0 {
             (self.frozen, self.passes, self.is_hessian_final) = (false, 0, false);
         }
-        dropped
+        dropped > 0
     }
 
     /// Whether a new Hessian is to be assembled.
@@ -108,9 +117,19 @@ impl<'a> Adaptive<'a> {
     /// Takes note of the largest correction, in pixels.
     pub(crate) fn advance(&mut self, correction: f64) {
         self.passes += 1;
+        let may_tighten = correction <= SMALL_CORRECTION || self.passes >= STRICTER_AFTER;
         let is_strict = self.robust.as_ref().is_none_or(RobustWeights::is_strict);
         let is_near = is_strict && correction <= FROZEN_CORRECTION && self.light_change <= FROZEN_LIGHT;
-        self.frozen |= is_near || self.passes >= FROZEN_AFTER;
+        if !self.frozen && (is_near || self.passes >= FROZEN_AFTER) {
+            self.frozen = true;
+            // Few points of damaged cells determine little: with them the iterations need not end.
+            if let Some(robust) = &mut self.robust {
+                self.dropped = robust.drop_cells(std::mem::take(&mut self.damaged));
+            }
+        }
+        if may_tighten && let Some(robust) = &mut self.robust {
+            robust.tighten();
+        }
     }
 
     /// Corrects the grey levels of a cell, in `workspace.points.grey`, by the light, and writes the weights of its points to
@@ -138,12 +157,12 @@ impl<'a> Adaptive<'a> {
             let inverse = (1.0 / light.unit()) as f32;
             let over_cell = light.over_cell(context.cell_type, nodes);
             context.for_each_chunk(shapes, |chunk, points| {
-                let [contrast, level] = pixel.each_mut().map(|row| &mut row[..chunk.padded()]);
-                pixel_coordinates(chunk, &over_cell, contrast, level);
+                let [gain, offset] = pixel.each_mut().map(|row| &mut row[..chunk.padded()]);
+                pixel_coordinates(chunk, &over_cell, gain, offset);
                 let (grey, scaled) = (&mut buffers.grey[points.clone()], &mut buffers.scaled[points]);
-                for (((grey, scaled), contrast), level) in grey.iter_mut().zip(scaled).zip(contrast).zip(level) {
-                    *scaled = (*grey - origin) * inverse;
-                    *grey = *contrast * *scaled + *level + origin;
+                for (((grey, scaled), gain), offset) in grey.iter_mut().zip(scaled).zip(gain).zip(offset) {
+                    *scaled = *grey * inverse;
+                    *grey = *gain * *scaled + *offset;
                 }
             });
         }
@@ -181,18 +200,21 @@ impl<'a> Adaptive<'a> {
         if self.light.is_some() && !self.frozen && !self.is_dropped(cell) {
             let shape = PolynomialBasis::of(context.cell_type).shape_monomials();
             let weighted = &mut workspace.weighted;
-            let mut share = LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()), weight };
+            let mut share =
+                LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()), weight, squares: 0.0 };
             context.for_each_chunk(shapes, |chunk, points| {
                 let q = [&buffers.scaled[points.clone()], chunk.ones()];
                 let weights = &buffers.weights[points.clone()];
                 share.matrix.add(chunk, q, weights);
-                // The residual against a zero image with the origin as offset is the grey level counted from the origin.
                 let reference = &samples.value[points];
-                let grey = GreyLevels { reference, deformed: reference, weights, gain_offset: [0.0, origin] };
+                // The residual against a zero image is the grey level.
+                let grey = |reference| GreyLevels { reference, deformed: reference, weights, gain_offset: [0.0; 2] };
                 let weighted = &mut weighted[..chunk.padded()];
-                weighted_residuals(grey, weighted);
+                share.squares += weighted_residuals(grey(q[0]), weighted);
+                weighted_residuals(grey(reference), weighted);
                 add_node_sums(shape, chunk, q, weighted, &mut share.sums);
             });
+            share.squares *= samples.scale;
             share.matrix.scale(samples.scale);
             share.sums.as_flattened_mut().iter_mut().for_each(|sum| *sum *= samples.scale);
             found.light = Some(share);
@@ -203,7 +225,7 @@ impl<'a> Adaptive<'a> {
     /// Sums without any cell.
     pub(crate) fn all_found(&self) -> AllFound {
         let light = if self.frozen { None } else { self.light.as_ref().map(|light| light.system().sums()) };
-        AllFound { light, residuals: Vec::new(), weights: Vec::new(), kept: 0.0, weight: 0.0 }
+        AllFound { light, residuals: Vec::new(), weights: Vec::new(), damaged: Vec::new(), kept: 0.0, weight: 0.0 }
     }
 
     /// Adds what is found of the next cell, of this weight before its points were weighed.
@@ -212,6 +234,9 @@ impl<'a> Adaptive<'a> {
             light.system().add(sums, cell, share);
         }
         let kept = if self.is_dropped(cell) { 0.0 } else { found.weighed.map_or(1.0, |weighed| weighed.kept) };
+        if self.robust.as_ref().is_some_and(|robust| kept < robust.min_kept()) {
+            all.damaged.push(cell);
+        }
         all.weight += weight;
         all.kept += kept * weight;
         all.residuals.extend(found.residuals);
@@ -235,6 +260,7 @@ impl<'a> Adaptive<'a> {
         if let (Some(light), Some(sums)) = (&mut self.light, all.light) {
             self.light_change = light.fit(sums)?;
         }
+        self.damaged = all.damaged;
         if let Some(robust) = &mut self.robust {
             robust.rescale(&all.residuals);
             robust.keep(all.weights);

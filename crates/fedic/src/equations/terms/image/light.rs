@@ -11,7 +11,7 @@ use crate::observation::photometry::GainOffset;
 use crate::projection::polynomial_basis::PolynomialBasis;
 use crate::quadrature::monomials::{MONOMIALS, UP_TO_DEGREE};
 
-/// Unknowns of a node: contrast and level.
+/// Unknowns of a node: gain and offset.
 const LIGHT: usize = 2;
 /// Wavelength, in cells, of the variations of light that the penalty on their gradient halves.
 const WAVELENGTH: f64 = 2.5;
@@ -32,25 +32,28 @@ pub(crate) struct LightSums {
     matrix: SymmetricMatrix,
     right_hand_side: Vec<f64>,
     weight: f64,
+    squares: f64,
 }
 
 /// Share of one cell.
 pub(crate) struct LightShare {
-    /// `sum w N^T (s, 1) (f - origin)`, by node.
+    /// `sum w N^T (s, 1) f`, by node.
     pub(crate) sums: [[f64; LIGHT]; MAX_NODES],
     /// `sum w (N^T (s, 1)) (N^T (s, 1))^T`.
     pub(crate) matrix: CellMatrix<LIGHT>,
     pub(crate) weight: f64,
+    /// `sum w s^2`.
+    pub(crate) squares: f64,
 }
 
-/// Light of one deformed image: `g~ = contrast s + level + origin` with `s = (g - origin) / unit`.
+/// Light of one deformed image: `g~ = gain s + offset` with `s = g / unit`.
 pub(crate) struct LightField<'a> {
     system: &'a LightSystem,
     /// Standard deviation of the reference image, in grey levels.
     unit: f64,
     /// Light that is the same everywhere, from which the field is counted.
     uniform: [f64; LIGHT],
-    /// Contrast and level of each node.
+    /// Gain and offset of each node.
     values: Vec<[f64; LIGHT]>,
 }
 
@@ -76,6 +79,7 @@ impl LightSystem {
             matrix: SymmetricMatrix::zeros(&self.pattern),
             right_hand_side: vec![0.0; self.pattern.num_dofs()],
             weight: 0.0,
+            squares: 0.0,
         }
     }
 
@@ -87,11 +91,12 @@ impl LightSystem {
             all[node as usize].iter_mut().zip(sums).for_each(|(b, sum)| *b += sum);
         }
         sums.weight += share.weight;
+        sums.squares += share.squares;
     }
 }
 
 impl<'a> LightField<'a> {
-    /// The same light everywhere: a gain and offset of grey levels counted from the origin.
+    /// The same light everywhere: a gain and offset of grey levels counted from zero.
     pub(crate) fn uniform(system: &'a LightSystem, unit: f64, light: GainOffset) -> Self {
         let uniform = [light.gain * unit, light.offset];
         Self { system, unit, uniform, values: vec![uniform; system.pattern.num_nodes()] }
@@ -105,7 +110,7 @@ impl<'a> LightField<'a> {
         self.unit
     }
 
-    /// Contrast and level over a cell.
+    /// Gain and offset over a cell.
     pub(crate) fn over_cell(&self, cell_type: CellType, nodes: &[u32]) -> PixelPolynomial {
         let basis = PolynomialBasis::of(cell_type);
         let mut factors = [[0.0; MAX_NODES]; LIGHT];
@@ -120,14 +125,14 @@ impl<'a> LightField<'a> {
         PixelPolynomial { coefficients, remainder: [[0.0; 3]; LIGHT], terms }
     }
 
-    /// Corrected grey level of a point, counted from the origin as `grey` is, from the values of the shape functions of its cell.
+    /// Corrected grey level of a point from the values of the shape functions of its cell.
     pub(crate) fn corrected(&self, nodes: &[u32], shapes: &[f64], grey: f64) -> f64 {
         let mut light = [0.0; LIGHT];
         for (&node, shape) in nodes.iter().zip(shapes) {
             (0..LIGHT).for_each(|c| light[c] += shape * self.values[node as usize][c]);
         }
-        let [contrast, level] = light;
-        contrast * grey / self.unit + level
+        let [gain, offset] = light;
+        gain * grey / self.unit + offset
     }
 
     /// Fits the light to the sums over all cells, and returns the largest change, in units of the contrast of the reference image.
@@ -136,7 +141,7 @@ impl<'a> LightField<'a> {
     ///
     /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn fit(&mut self, sums: LightSums) -> Result<f64, SolveError> {
-        let LightSums { mut matrix, right_hand_side: mut increment, weight } = sums;
+        let LightSums { mut matrix, right_hand_side: mut increment, weight, squares } = sums;
         let LightSystem { pattern, cholesky, laplacian, squared_length } = self.system;
         if weight <= 0.0 {
             return Ok(0.0);
@@ -144,8 +149,10 @@ impl<'a> LightField<'a> {
         let uniform: Vec<f64> = std::iter::repeat_n(self.uniform, pattern.num_nodes()).flatten().collect();
         let known = matrix.multiply(pattern, &uniform);
         increment.iter_mut().zip(known).for_each(|(b, known)| *b -= known);
-        let density = weight / laplacian.area;
-        matrix.add_scaled(density * squared_length, &laplacian.matrix);
+        // Each unknown is smoothed relative to the weight that the points give it.
+        let [gain, offset] = [squares, weight].map(|sum| (sum / laplacian.area).sqrt());
+        let blocks = vec![[[gain, 0.0], [0.0, offset]]; pattern.num_nodes()];
+        matrix.add_congruent(pattern, *squared_length, &laplacian.matrix, &blocks);
         let ridge = RIDGE * weight / pattern.num_nodes() as f64;
         (0..pattern.num_nodes()).for_each(|node| matrix.add_to_node_diagonal(pattern, node, ridge));
         let too_large = |_| SolveError::TooLarge { dofs: pattern.num_dofs() };

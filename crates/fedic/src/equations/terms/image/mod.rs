@@ -152,8 +152,8 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         &self.adaptive
     }
 
-    /// Leaves out some cells from now on, and returns the number of those that were not left out yet.
-    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> usize {
+    /// Leaves out some cells from now on, and returns whether the frame is to be measured again.
+    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> bool {
         self.adaptive.drop_cells(cells)
     }
 
@@ -172,7 +172,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         let mut all = Moments::default();
         self.observation.moments.iter().for_each(|cell| all.add(cell));
         let contrast = all.std_f();
-        let light = light.map(|system| LightField::uniform(system, contrast, self.gain_offset));
+        let light = light.map(|system| LightField::uniform(system, contrast, self.gain_offset()));
         let robust = robust.map(|(function, neighbours)| RobustWeights::new(function, neighbours, contrast));
         // The scale of the residuals is that after the correction by the light.
         let passes = usize::from(light.is_some()) + usize::from(robust.is_some());

@@ -18,7 +18,7 @@ const OUTLIER: f32 = 4.685;
 const HUBER: f32 = 1.345;
 /// Largest number of points of a cell whose median is taken.
 const SAMPLES: usize = 128;
-/// Factor on the scale of the first weights; it is halved in each pass, down to one.
+/// Factor on the scale of the first weights; it is halved after each pass with a small correction, down to one.
 const FIRST_TOLERANCE: f64 = 8.0;
 
 impl Robust {
@@ -121,6 +121,16 @@ impl<'a> RobustWeights<'a> {
         }
     }
 
+    /// Share of its weight below which a cell is damaged.
+    pub(crate) fn min_kept(&self) -> f64 {
+        self.function.min_kept()
+    }
+
+    /// Makes the next weights stricter, until they are those of the scale of the residuals.
+    pub(crate) fn tighten(&mut self) {
+        self.tolerance = (0.5 * self.tolerance).max(1.0);
+    }
+
     /// Whether the weights are those of the scale of the residuals. The first ones are those of a larger scale.
     pub(crate) fn is_strict(&self) -> bool {
         self.tolerance == 1.0
@@ -207,7 +217,6 @@ impl<'a> RobustWeights<'a> {
             return;
         }
         self.centre = centre;
-        self.tolerance = if self.scales.is_empty() { FIRST_TOLERANCE } else { (0.5 * self.tolerance).max(1.0) };
         let least = (OF_MEDIAN * f64::from(deviation)).max(self.min_scale);
         self.scales = (0..cells.len())
             .map(|cell| {
