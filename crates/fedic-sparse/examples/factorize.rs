@@ -1,4 +1,5 @@
-//! Factorizes the system of a mesh and reports time and memory; `benches/python/cholesky.py` compares it with CHOLMOD.
+//! Factorizes the system of a mesh, finds the entries of its inverse on the pattern, and reports time and memory.
+//! `benches/python/cholesky.py` compares it with CHOLMOD.
 //!
 //!     factorize FOLDER THREADS SECONDS PRECISION
 //!
@@ -14,7 +15,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use common::{fastest, peak, resident};
+use common::{fastest, peak, reset_peak, resident};
 use fedic_sparse::{Cholesky, Pattern, SpdFactor, SpdSolver, SymmetricMatrix};
 
 /// Degrees of freedom per node.
@@ -61,13 +62,16 @@ fn measure(folder: &Path, duration: Duration, compact: bool) {
         factor.solve(&mut x);
         x
     });
+    let memory = peak() - before;
+    let (measures_peak, before) = (reset_peak(), resident());
+    let (inverse, _) = fastest(duration, || factor.selected_inverse().unwrap());
+    let inverse_memory = if measures_peak { peak() - before } else { f64::NAN };
     let error = x.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     println!(
-        "dofs {} entries {} work {:.3e} order {symbolic:.6} numeric {numeric:.6} solve {solve:.6} error {error:.2e} peak_MB {:.1}",
+        "dofs {} entries {} work {:.3e} order {symbolic:.6} numeric {numeric:.6} solve {solve:.6} error {error:.2e} peak_MB {memory:.1} inverse {inverse:.6} inverse_peak_MB {inverse_memory:.1}",
         pattern.num_dofs(),
         factor.num_entries(),
         cholesky.work(),
-        peak() - before,
     );
 }
 

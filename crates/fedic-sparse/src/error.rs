@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// The system has no unique solution or its factor does not fit in memory.
+/// The system has no unique solution or does not fit in memory.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SparseError {
@@ -19,8 +19,8 @@ pub enum SparseError {
     /// An entry of the matrix is NaN or infinite.
     #[error("the system matrix has an entry that is NaN or infinite")]
     NonFinite,
-    /// The factor exceeds the available memory or the range of the indices.
-    #[error("the factorization of a system with {dofs} degrees of freedom does not fit in memory")]
+    /// The factor, or the work for its inverse, exceeds the available memory or the range of the indices.
+    #[error("the factorization or inversion of a system with {dofs} degrees of freedom does not fit in memory")]
     TooLarge {
         /// Number of degrees of freedom.
         dofs: usize,

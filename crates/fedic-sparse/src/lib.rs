@@ -4,8 +4,8 @@
 //! evaluated in an order fixed by the mesh, so results are bit-identical for any number of threads.
 //!
 //! The modules follow the computation, and each imports only those before it: [`Pattern`] and [`SymmetricMatrix`],
-//! `ordering` (fill-reducing permutation), `symbolic` (pattern of the factor), `numeric` (factorization), `solve`
-//! (triangular solves), [`Cholesky`]. The [`SpdSolver`] and [`SpdFactor`] traits are what the rest of the project uses.
+//! `ordering` (fill-reducing permutation), `symbolic` (pattern of the factor), `numeric` (factorization), `inverse`
+//! (entries of the inverse), `solve` (triangular solves), [`Cholesky`]. The [`SpdSolver`] and [`SpdFactor`] traits are what the rest of the project uses.
 //!
 //! # Examples
 //!
@@ -29,6 +29,7 @@
 
 mod cholesky;
 mod error;
+mod inverse;
 mod matrix;
 mod numeric;
 mod ordering;

@@ -14,6 +14,11 @@ impl SymmetricMatrix {
         Self { values: vec![0.0; pattern.num_entries()] }
     }
 
+    /// The matrix with these entries of the lower triangle, by columns.
+    pub(crate) fn from_values(values: Vec<f64>) -> Self {
+        Self { values }
+    }
+
     /// Entries of the lower triangle, by columns.
     pub fn values(&self) -> &[f64] {
         &self.values

@@ -49,6 +49,17 @@ pub trait SpdFactor {
     /// If the length of `rhs` is not a multiple of the number of degrees of freedom.
     fn solve_sequentially(&self, rhs: &mut [f64]);
 
+    /// The entries of `A^-1` on the pattern of `A`, using the threads of the current pool.
+    ///
+    /// If `A^-1` is the covariance of the unknowns, these are the variances of all unknowns and their covariances within each cell.
+    /// They take about as long as one or two factorizations. With a compact factor the relative errors are about 1e-7, as those of
+    /// solutions.
+    ///
+    /// # Errors
+    ///
+    /// [`SparseError::TooLarge`] if the work does not fit in memory.
+    fn selected_inverse(&self) -> Result<SymmetricMatrix, SparseError>;
+
     /// Number of stored values, a measure of the fill.
     fn num_entries(&self) -> usize;
 

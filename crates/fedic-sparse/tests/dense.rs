@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Generator, Mesh, assembled, quads, random_cell, random_mesh, solution_error};
+use common::{Generator, Mesh, assembled, dense_solution, quads, random_cell, random_mesh, solution_error};
 use fedic_sparse::{Cholesky, Pattern, SparseError, SpdFactor, SpdSolver, SymmetricMatrix};
 use proptest::prelude::*;
 
@@ -31,27 +31,6 @@ fn sparse_and_dense(mesh: &Mesh, block: usize, rank: usize) -> (Pattern, Symmetr
 
 fn dense_product(dense: &[f64], x: &[f64]) -> Vec<f64> {
     dense.chunks_exact(x.len()).map(|row| row.iter().zip(x).map(|(a, b)| a * b).sum()).collect()
-}
-
-/// Solution by a dense Cholesky factorization without any reordering.
-fn dense_solution(mut a: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
-    let n = x.len();
-    for j in 0..n {
-        for k in 0..j {
-            (j..n).for_each(|i| a[i * n + j] -= a[i * n + k] * a[j * n + k]);
-        }
-        let pivot = a[j * n + j].sqrt();
-        (j..n).for_each(|i| a[i * n + j] /= pivot);
-    }
-    for i in 0..n {
-        (0..i).for_each(|j| x[i] -= a[i * n + j] * x[j]);
-        x[i] /= a[i * n + i];
-    }
-    for i in (0..n).rev() {
-        (i + 1..n).for_each(|j| x[i] -= a[j * n + i] * x[j]);
-        x[i] /= a[i * n + i];
-    }
-    x
 }
 
 proptest! {

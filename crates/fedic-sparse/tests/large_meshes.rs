@@ -4,16 +4,11 @@
 
 mod common;
 
-use common::{Mesh, assembled, hexahedra, perforated_grid, quads, solution_error};
+use common::{Mesh, assembled, hexahedra, in_pool, perforated_grid, quads, solution_error};
 use fedic_sparse::{Cholesky, SpdFactor, SpdSolver};
-use rayon::ThreadPoolBuilder;
 
 /// Large enough for several tasks and for fronts divided into tiles.
 const SIDE: usize = 170;
-
-fn in_pool<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
-    ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
-}
 
 #[test]
 fn solutions_are_bit_identical_on_any_number_of_threads() {

@@ -2,19 +2,13 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::reborrow::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, MatRef, Par, Spec};
-use rayon::prelude::*;
+use faer::{MatMut, Par, Spec};
 
 use crate::symbolic::{RelativeRange, Shape, Structure};
 
-/// Columns of a tile of a large front.
-const TILE: usize = 128;
-/// A front with more operations is divided into tiles, for any number of threads.
-const TILED_WORK: f64 = 2e7;
+use super::tiles::{TILE, TILED_WORK, for_each_tile, subtract_products};
 
 /// A frontal matrix. Both parts are stored by columns, and only entries on and below the diagonal are used.
 pub(super) struct Front<'a> {
@@ -28,18 +22,7 @@ pub(super) struct Front<'a> {
 impl Front<'_> {
     /// Copies the entries of the matrix.
     pub(super) fn assemble(&mut self, structure: &Structure, supernode: usize, values: &[f64]) {
-        let d = structure.block;
-        for (local, node) in structure.columns(supernode).enumerate() {
-            for entry in structure.entries(node) {
-                for j in 0..d {
-                    let first = (local * d + j) * self.shape.rows + entry.row as usize * d;
-                    let above = if entry.row as usize == local { j } else { 0 };
-                    for i in above..d {
-                        self.columns[first + i] = values[entry.source(i, j)];
-                    }
-                }
-            }
-        }
+        structure.for_each_entry(supernode, |position, source| self.columns[position] = values[source]);
     }
 
     /// Adds the update matrix of a child, whose rows have these relative indices (extend-add).
@@ -92,11 +75,11 @@ impl Front<'_> {
                 solve_lower_triangular_in_place(diagonal, rows, Par::Seq);
             });
             let rest = rest.subrows_mut(first + width, rows - first - width);
-            for_each_tile(rest, tile, |start, columns| subtract_products(lower.rb(), start, columns));
+            for_each_tile(rest, tile, |start, columns| subtract_products(lower.rb(), lower.rb(), start, columns));
         }
         let lower = panel.rb().subrows(columns, below);
         let update = MatMut::from_column_major_slice_mut(self.update, below, below);
-        for_each_tile(update, tile_below, |start, columns| subtract_products(lower, start, columns));
+        for_each_tile(update, tile_below, |start, columns| subtract_products(lower, lower, start, columns));
         Ok(())
     }
 }
@@ -121,37 +104,5 @@ fn factorize_with_replacement(replacement: f64, mut matrix: MatMut<'_, f64>) {
             let factor = matrix[(column, j)];
             (column..size).for_each(|i| matrix[(i, column)] -= factor * matrix[(i, j)]);
         }
-    }
-}
-
-/// Calls `apply(first column, columns)` for every `tile` columns of a matrix, in parallel if there are several tiles.
-fn for_each_tile(matrix: MatMut<'_, f64>, tile: usize, apply: impl Fn(usize, MatMut<'_, f64>) + Sync) {
-    if matrix.ncols() <= tile {
-        return apply(0, matrix);
-    }
-    let mut tiles = Vec::new();
-    let (mut rest, mut start) = (matrix, 0);
-    while rest.ncols() > 0 {
-        let width = tile.min(rest.ncols());
-        let (columns, others) = rest.split_at_col_mut(width);
-        tiles.push((start, columns));
-        start += width;
-        rest = others;
-    }
-    tiles.into_par_iter().for_each(|(start, columns)| apply(start, columns));
-}
-
-/// Subtracts `lower * lower^T` from columns of a square matrix, on and below the diagonal; `start` is the first column.
-fn subtract_products(lower: MatRef<'_, f64>, start: usize, columns: MatMut<'_, f64>) {
-    let width = columns.ncols();
-    let end = start + width;
-    let across = lower.subrows(start, width);
-    let (above, below) = columns.split_at_row_mut(end);
-    let (square, rectangle) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-    let diagonal = above.subrows_mut(start, width);
-    triangular_matmul(diagonal, square, Accum::Add, across, rectangle, across.transpose(), rectangle, -1.0, Par::Seq);
-    if below.nrows() > 0 {
-        let rows = lower.subrows(end, below.nrows());
-        matmul(below, Accum::Add, rows, across.transpose(), -1.0, Par::Seq);
     }
 }

@@ -4,9 +4,10 @@ use std::sync::{Arc, Mutex};
 
 use fedic_memory::AlignedBuffer;
 
-use crate::SpdFactor;
+use crate::inverse::selected_inverse;
 use crate::numeric::{PackedColumns, StoredFloat};
 use crate::symbolic::{RelativeRange, SymbolicFactor, Task, Threading, find_relative_ranges, lock};
+use crate::{SparseError, SpdFactor, SymmetricMatrix};
 
 use super::supernode::Supernode;
 
@@ -46,6 +47,13 @@ impl SpdFactor for Factor {
         self.solve_with(Threading::Sequential, rhs);
     }
 
+    fn selected_inverse(&self) -> Result<SymmetricMatrix, SparseError> {
+        match &self.values {
+            Values::Double(values) => selected_inverse(&self.symbolic, values),
+            Values::Single(values) => selected_inverse(&self.symbolic, values),
+        }
+    }
+
     fn num_entries(&self) -> usize {
         match &self.values {
             Values::Double(values) => values.len(),
@@ -74,16 +82,12 @@ impl<'a, T: StoredFloat> Substitution<'a, T> {
 
     /// Replaces the right-hand sides by the solutions.
     fn solve(&self, threading: Threading, rhs: &mut [f64]) {
-        let SymbolicFactor { structure, schedule } = self.symbolic;
+        let schedule = &self.symbolic.schedule;
         if self.num_sides == 0 {
             return;
         }
-        let mut starts = vec![0];
-        starts.extend(schedule.tasks().iter().scan(0, |end, task| {
-            *end += structure.packed_len(&task.supernodes);
-            Some(*end)
-        }));
-        let packed = |index: usize| &self.values[starts[index]..starts[index + 1]];
+        let ranges = self.symbolic.packed_ranges();
+        let packed = |index: usize| &self.values[ranges[index].clone()];
         // Unknowns of each task, kept from the forward to the backward substitution: see `load`.
         let unknowns: Vec<Mutex<Vec<f64>>> = schedule.tasks().iter().map(|_| Mutex::default()).collect();
         let shared: &[f64] = rhs;

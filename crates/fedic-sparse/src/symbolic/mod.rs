@@ -2,11 +2,14 @@
 
 mod column_counts;
 mod elimination_tree;
+mod entries;
 mod relative_indices;
 mod schedule;
 mod shape;
 mod structure;
 mod supernodes;
+
+use std::ops::Range;
 
 use crate::Pattern;
 use crate::ordering::Graph;
@@ -30,5 +33,15 @@ impl SymbolicFactor {
         let structure = Structure::new(pattern, graph, order);
         let schedule = Schedule::new(&structure);
         Self { structure, schedule }
+    }
+
+    /// The packed columns of each task among those of all supernodes.
+    pub(crate) fn packed_ranges(&self) -> Vec<Range<usize>> {
+        let ranges = self.schedule.tasks().iter().scan(0, |end, task| {
+            let start = *end;
+            *end += self.structure.packed_len(&task.supernodes);
+            Some(start..*end)
+        });
+        ranges.collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Supernodal structure of the factor: columns, rows, elimination tree, and source of the matrix entries.
+//! Supernodal structure of the factor: columns, rows and elimination tree.
 
 use std::ops::Range;
 
@@ -7,6 +7,7 @@ use crate::ordering::Graph;
 
 use super::column_counts::column_counts;
 use super::elimination_tree::{NONE, elimination_tree, inverse, postorder};
+use super::entries::Entry;
 use super::shape::Shape;
 use super::supernodes::{amalgamate, fundamental_supernodes};
 
@@ -23,28 +24,8 @@ pub(crate) struct Structure {
     rows: Vec<u32>,
     /// Parent of each supernode, the one that holds its first row below, or [`NONE`].
     pub(crate) parent: Vec<u32>,
-    entry_starts: Vec<u32>,
-    entries: Vec<Entry>,
-}
-
-/// Destination and source of one block of the matrix.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Entry {
-    /// Row of the block among the columns and rows of its supernode, in nodes.
-    pub(crate) row: u32,
-    /// Position of the block's first value in the matrix.
-    source: u32,
-    /// Twice the length of the source column, plus one if the block is transposed.
-    length_and_transpose: u32,
-}
-
-impl Entry {
-    /// Position in the matrix of an entry of the block. Diagonal blocks have entries with `row >= column` only.
-    pub(crate) fn source(&self, row: usize, column: usize) -> usize {
-        let (i, j) = if self.length_and_transpose % 2 == 1 { (column, row) } else { (row, column) };
-        let lengths = j * (self.length_and_transpose / 2) as usize - j * j.saturating_sub(1) / 2;
-        self.source as usize + lengths + i - j
-    }
+    pub(super) entry_starts: Vec<u32>,
+    pub(super) entries: Vec<Entry>,
 }
 
 impl Structure {
@@ -116,22 +97,13 @@ impl Structure {
         supernodes.clone().map(|supernode| self.shape(supernode).packed_len()).sum()
     }
 
-    /// Blocks of the matrix in the column of a node.
-    pub(crate) fn entries(&self, node: u32) -> &[Entry] {
-        &self.entries[self.entry_starts[node as usize] as usize..self.entry_starts[node as usize + 1] as usize]
-    }
-
-    /// Diagonal of a matrix, in the order of the degrees of freedom.
-    pub(crate) fn diagonal(&self, values: &[f64]) -> Vec<f64> {
-        let mut diagonal = vec![0.0; self.num_dofs()];
-        for supernode in 0..self.num_supernodes() {
-            for (local, node) in (0..).zip(self.columns(supernode)) {
-                for entry in self.entries(node).iter().filter(|entry| entry.row == local) {
-                    self.dofs(node).enumerate().for_each(|(j, dof)| diagonal[dof] = values[entry.source(j, j)]);
-                }
-            }
+    /// Children of each supernode, increasing.
+    pub(crate) fn children(&self) -> Vec<Vec<usize>> {
+        let mut children = vec![Vec::new(); self.num_supernodes()];
+        for (supernode, &parent) in self.parent.iter().enumerate().filter(|&(_, &parent)| parent != NONE) {
+            children[parent as usize].push(supernode);
         }
-        diagonal
+        children
     }
 
     /// Finds the rows below each supernode, those of its children and of its own nodes' neighbours, and its parent.
@@ -175,32 +147,5 @@ impl Structure {
             }
         }
         self.rows.shrink_to_fit();
-    }
-
-    /// Finds the blocks of the matrix in each column: on and below the diagonal in the order of elimination.
-    fn find_entries(&mut self, pattern: &Pattern, graph: &Graph) {
-        let inverse = inverse(&self.order);
-        let mut local = vec![0_u32; self.order.len()];
-        self.entry_starts.push(0);
-        for supernode in 0..self.num_supernodes() {
-            let columns = self.columns(supernode);
-            let rows = self.rows(supernode).iter().copied();
-            columns.clone().chain(rows).zip(0..).for_each(|(row, at)| local[row as usize] = at);
-            for node in columns {
-                let own = self.order[node as usize];
-                let neighbours = graph.neighbours(own).iter().copied().chain([own]);
-                for other in neighbours.filter(|&other| inverse[other as usize] >= node) {
-                    let (column, row) = (own.min(other), own.max(other));
-                    let rows = pattern.node_column(column as usize);
-                    let above = rows.partition_point(|&r| r < row) * self.block;
-                    self.entries.push(Entry {
-                        row: local[inverse[other as usize] as usize],
-                        source: (pattern.column_start(column as usize, 0) + above) as u32,
-                        length_and_transpose: 2 * (rows.len() * self.block) as u32 + u32::from(own > other),
-                    });
-                }
-                self.entry_starts.push(self.entries.len() as u32);
-            }
-        }
     }
 }

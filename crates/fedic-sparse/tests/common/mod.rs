@@ -175,3 +175,29 @@ pub fn solution_error(factor: &impl SpdFactor, matrix: &SymmetricMatrix, pattern
     let several = several.fold(0.0, f64::max);
     single.iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(several, f64::max)
 }
+
+/// Solution by a dense Cholesky factorization without any reordering.
+pub fn dense_solution(mut a: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
+    let n = x.len();
+    for j in 0..n {
+        for k in 0..j {
+            (j..n).for_each(|i| a[i * n + j] -= a[i * n + k] * a[j * n + k]);
+        }
+        let pivot = a[j * n + j].sqrt();
+        (j..n).for_each(|i| a[i * n + j] /= pivot);
+    }
+    for i in 0..n {
+        (0..i).for_each(|j| x[i] -= a[i * n + j] * x[j]);
+        x[i] /= a[i * n + i];
+    }
+    for i in (0..n).rev() {
+        (i + 1..n).for_each(|j| x[i] -= a[j * n + i] * x[j]);
+        x[i] /= a[i * n + i];
+    }
+    x
+}
+
+/// Runs with this number of threads.
+pub fn in_pool<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+}
