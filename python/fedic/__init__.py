@@ -45,6 +45,7 @@ from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
+from fedic.regularization import EquilibriumGap
 from fedic.results import Attempt, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ __all__ = [
     "ConfigError",
     "ConvergenceWarning",
     "Correlator",
+    "EquilibriumGap",
     "FedicError",
     "FrontParallel",
     "ImageError",
