@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
     from fedic.cameras.files import read_camera, write_camera
+    from fedic.cross_validation import RegularizationCurve, regularization_curve
     from fedic.registration import Registration, boundary_features, register
 
 __all__ = [
@@ -80,6 +81,7 @@ __all__ = [
     "Quality",
     "QualityWarning",
     "Registration",
+    "RegularizationCurve",
     "Result",
     "SolveError",
     "SpecimenCalibration",
@@ -94,6 +96,7 @@ __all__ = [
     "read_mesh",
     "rectangle_mesh",
     "register",
+    "regularization_curve",
     "synthetic",
     "unstructured_mesh",
     "write_camera",
@@ -105,6 +108,8 @@ _LAZY = {
     "calibrate": "calibration",
     "read_camera": "cameras.files",
     "write_camera": "cameras.files",
+    "RegularizationCurve": "cross_validation",
+    "regularization_curve": "cross_validation",
     "Registration": "registration",
     "boundary_features": "registration",
     "register": "registration",

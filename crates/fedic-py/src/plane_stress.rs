@@ -30,10 +30,8 @@ impl PlaneStress {
     /// OptionError
     ///     If a modulus is not positive, ``nu12`` is too large for them, or the angle is not finite.
     #[staticmethod]
-    #[pyo3(signature = (E1, E2, nu12, G12, angle))]
-    #[allow(non_snake_case)]
-    fn orthotropic(E1: f64, E2: f64, nu12: f64, G12: f64, angle: f64) -> PyResult<Self> {
-        checked(fedic::PlaneStress::orthotropic(E1, E2, nu12, G12, angle))
+    fn orthotropic(e1: f64, e2: f64, nu12: f64, g12: f64, angle: f64) -> PyResult<Self> {
+        checked(fedic::PlaneStress::orthotropic(e1, e2, nu12, g12, angle))
     }
 }
 

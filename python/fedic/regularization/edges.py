@@ -65,8 +65,8 @@ def edge_nodes(given: Given, mesh: Mesh, option: str) -> NDArray[np.int64]:
         inside = nodes[~boundary[nodes]]
         if inside.size:
             raise OptionError(
-                f"{option}: {inside.size} of {nodes.size} nodes of {what} are not at the boundary of the mesh, the first "
-                f"being node {inside[0]}; name nodes of edges",
+                f"{option}: {inside.size} of {nodes.size} nodes of {what} are not at the boundary of the mesh, the "
+                f"first being node {inside[0]}; name nodes of edges",
                 option,
             )
         groups.append(nodes)
@@ -97,5 +97,6 @@ def _nodes(nodes: object, option: str) -> tuple[int, ...]:
 
 def _refusal(option: str, edges: object) -> OptionError:
     return OptionError(
-        f"{option} must be the name of a set of the mesh, an array of nodes, or a list of these, got {edges!r:.80}", option
+        f"{option} must be the name of a set of the mesh, an array of nodes, or a list of these, got {edges!r:.80}",
+        option,
     )

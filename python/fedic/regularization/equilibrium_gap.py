@@ -16,9 +16,9 @@ __all__ = ["EquilibriumGap", "Regularization", "core_gap"]
 class EquilibriumGap:
     """Mechanical regularization: the internal forces of linear elasticity are small where no load acts.
 
-    Fields in equilibrium are left alone, however steep they are, and what is not, such as noise, is lowered: a shear wave
-    of ``regularization_length`` pixels keeps half of its amplitude. No load acts at nodes inside the mesh and at free
-    edges. Loaded edges are not regularized: their nodes keep their noise.
+    Fields in equilibrium are left alone, however steep they are, and what is not, such as noise, is lowered: a shear
+    wave of ``regularization_length`` pixels keeps half of its amplitude. No load acts at nodes inside the mesh and at
+    free edges. Loaded edges are not regularized: their nodes keep their noise.
 
     By default any edge may be loaded. Name the free ones with `free`, or the loaded ones with `loaded`: all others are
     free then, the edges of holes and both sides of cracks included. A free edge that is loaded in truth is measured
@@ -117,8 +117,8 @@ class EquilibriumGap:
     def law(self) -> PlaneStress:
         """Return the law of the material as the core takes it."""
         if "nu" in self._moduli:
-            return PlaneStress.isotropic(**self._moduli)
-        return PlaneStress.orthotropic(**self._moduli)
+            return PlaneStress.isotropic(*self._moduli.values())
+        return PlaneStress.orthotropic(*self._moduli.values())
 
     def free_nodes(self, mesh: Mesh) -> NDArray[np.int64]:
         """Find the nodes of the free edges of a mesh.
