@@ -45,7 +45,7 @@ from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
-from fedic.results import Attempt, Iteration, Quality, Result, Strains
+from fedic.results import Attempt, Covariance, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
@@ -62,6 +62,7 @@ __all__ = [
     "ConfigError",
     "ConvergenceWarning",
     "Correlator",
+    "Covariance",
     "FedicError",
     "FrontParallel",
     "ImageError",

@@ -79,11 +79,12 @@ pub use options::{
     Brightness, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue, Options, Quadrature,
     Range, Robust,
 };
+pub use results::covariance::Covariance;
 pub use results::flags::{CellFlag, NodeFlag};
 pub use results::quality::{
     GRADIENT_TO_NOISE, MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE,
 };
-pub use results::solution::{Iteration, Solution};
+pub use results::solution::{Information, Iteration, Solution};
 pub use self_calibration::calibrate::{calibrate_on_specimen, calibrate_on_specimen_with};
 pub use self_calibration::motion::{MotionKind, RIGID};
 pub use self_calibration::options::SelfCalibrationOptions;

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from fedic._core import Mesh
 from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, StrPath
-from fedic.errors import ImageError
+from fedic.errors import ImageError, OptionError
 from fedic.io.results import write_result
 from fedic.results.attempt import Attempt
+from fedic.results.covariance import Covariance
 from fedic.results.quality import Quality
 from fedic.results.strains import StrainAxes, StrainMeasure, Strains
 
@@ -87,6 +88,12 @@ class Result:
     start : str
         The start that led here: ``"zero"``, ``"pyramid"``, ``"fft"``, ``"features"``, ``"log-polar"``, ``"flow"``,
         ``"given"``, or one of these followed by ``"+pyramid"``.
+    information : ndarray of float, shape (num_cells, 2), or None
+        Factors of each cell on the Hessian and on the noise of the covariance: less than one where points are not used
+        or robust weights are at work. None if all are one.
+    information : ndarray of float, shape (num_cells, 2), or None
+        Factors of each cell on the Hessian and on the noise of the covariance: less than one where points are not used
+        or robust weights are at work. None if all are one.
     attempts : tuple of Attempt
         What each start led to that ``"auto"`` tried; that of this result is the last.
     unit : str
@@ -108,6 +115,7 @@ class Result:
     unchecked_displacement: Floats
     quality: Quality
     start: str
+    information: Floats | None = field(default=None, repr=False)
     attempts: tuple[Attempt, ...] = ()
     unit: str = ""
     _measurement: Measurement | None = field(default=None, repr=False)
@@ -248,8 +256,8 @@ class Result:
         """
         return self._images().residual_map(np.nan_to_num(self.unchecked_displacement))
 
-    def standard_deviations(self, noise: float | None = None) -> Floats:
-        """Predict the standard deviation of the displacement from the noise of the images.
+    def covariance(self, noise: float | None = None) -> Covariance:
+        """Predict the covariance of the displacement from the noise of the images.
 
         Parameters
         ----------
@@ -259,8 +267,36 @@ class Result:
 
         Returns
         -------
+        Covariance
+            Of the displacement of the nodes, and of strains, gauges and points; through smoothing, regularization and
+            robust weights. See `Correlator.standard_deviations`.
+
+        Raises
+        ------
+        OptionError
+            If the noise is negative or not finite, or there is none.
+        ImageError
+            If the reference image is no longer known or has changed since the measurement.
+        """
+        level = self.quality.noise if noise is None else noise
+        if noise is None and not math.isfinite(level):
+            raise OptionError("the noise of the images is not known: give it as noise, in grey levels", "noise")
+        displacement = np.nan_to_num(self.unchecked_displacement)
+        found = self._images().covariance(level, displacement, self.information)
+        return Covariance(self.mesh, displacement, float(level), self.valid_nodes, self.valid_cells, found)
+
+    def standard_deviations(self, noise: float | None = None) -> Floats:
+        """Predict the standard deviation of the displacement from the noise of the images.
+
+        Parameters
+        ----------
+        noise : float, optional
+            Standard deviation of the noise of one image, in grey levels; see `covariance`.
+
+        Returns
+        -------
         ndarray of float, shape (n, 2)
-            In the mesh's unit; NaN at nodes that were not measured. See `Correlator.standard_deviations`.
+            In the mesh's unit; NaN at nodes that were not measured, and everywhere if the noise is not known.
 
         Raises
         ------
@@ -269,12 +305,9 @@ class Result:
         ImageError
             If the reference image is no longer known or has changed since the measurement.
         """
-        level = self.quality.noise if noise is None else noise
-        if noise is None and not math.isfinite(level):
+        if noise is None and not math.isfinite(self.quality.noise):
             return np.full(self.displacement.shape, np.nan)
-        deviations = self._images().standard_deviations(level, np.nan_to_num(self.unchecked_displacement))
-        deviations[~self.valid_nodes] = np.nan
-        return deviations
+        return self.covariance(noise).standard_deviations
 
     def _images(self) -> Measurement:
         if self._measurement is None:

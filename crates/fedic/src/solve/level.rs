@@ -162,6 +162,11 @@ impl<const D: usize> Level<D> {
         })
     }
 
+    /// Matrix of the penalty and its factor, if the displacement is smoothed.
+    pub(crate) fn penalty(&self) -> Option<(&SymmetricMatrix, f64)> {
+        self.penalty.as_ref().map(|(smoothing, factor)| (smoothing.matrix(), *factor))
+    }
+
     /// The image term of a deformed image.
     pub(crate) fn image_term<'a>(
         &'a self,
