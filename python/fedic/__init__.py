@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
     from fedic.cameras.files import read_camera, write_camera
+    from fedic.noise import CameraNoise, NoiseFloor, camera_noise, noise_floor
     from fedic.registration import Registration, boundary_features, register
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "Calibration",
     "CalibrationWarning",
     "CameraError",
+    "CameraNoise",
     "ConfigError",
     "ConvergenceWarning",
     "Correlator",
@@ -71,6 +73,7 @@ __all__ = [
     "MeshError",
     "MeshQuadrature",
     "MeshSet",
+    "NoiseFloor",
     "OptionError",
     "Pinhole",
     "PixelQuadrature",
@@ -86,7 +89,9 @@ __all__ = [
     "boundary_features",
     "calibrate",
     "calibrate_on_specimen",
+    "camera_noise",
     "correlate",
+    "noise_floor",
     "read_camera",
     "read_image",
     "read_mesh",
@@ -108,6 +113,10 @@ _LAZY = {
     "register": "registration",
     "SpecimenCalibration": "calibration.specimen",
     "calibrate_on_specimen": "calibration.specimen",
+    "CameraNoise": "noise",
+    "NoiseFloor": "noise",
+    "camera_noise": "noise",
+    "noise_floor": "noise",
 }
 """Names imported on first use and their modules, which a measurement does not need."""
 
