@@ -48,6 +48,7 @@ from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.results import Attempt, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
+    from fedic.assess import Assessment, Pose, assess_poses
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
     from fedic.cameras.files import read_camera, write_camera
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CELL_TYPES",
+    "Assessment",
     "Attempt",
     "Calibration",
     "CalibrationWarning",
@@ -77,6 +79,7 @@ __all__ = [
     "OptionError",
     "Pinhole",
     "PixelQuadrature",
+    "Pose",
     "Progress",
     "Quality",
     "QualityWarning",
@@ -86,6 +89,7 @@ __all__ = [
     "SpecimenCalibration",
     "Strains",
     "__version__",
+    "assess_poses",
     "boundary_features",
     "calibrate",
     "calibrate_on_specimen",
@@ -113,6 +117,9 @@ _LAZY = {
     "register": "registration",
     "SpecimenCalibration": "calibration.specimen",
     "calibrate_on_specimen": "calibration.specimen",
+    "Assessment": "assess",
+    "Pose": "assess",
+    "assess_poses": "assess",
     "CameraNoise": "noise",
     "NoiseFloor": "noise",
     "camera_noise": "noise",
