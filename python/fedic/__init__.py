@@ -48,6 +48,7 @@ from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.results import Attempt, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
+    from fedic.advise import Advice, advise_element_size
     from fedic.assess import Assessment, Pose, assess_poses
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CELL_TYPES",
+    "Advice",
     "Assessment",
     "Attempt",
     "Calibration",
@@ -89,6 +91,7 @@ __all__ = [
     "SpecimenCalibration",
     "Strains",
     "__version__",
+    "advise_element_size",
     "assess_poses",
     "boundary_features",
     "calibrate",
@@ -117,6 +120,8 @@ _LAZY = {
     "register": "registration",
     "SpecimenCalibration": "calibration.specimen",
     "calibrate_on_specimen": "calibration.specimen",
+    "Advice": "advise",
+    "advise_element_size": "advise",
     "Assessment": "assess",
     "Pose": "assess",
     "assess_poses": "assess",

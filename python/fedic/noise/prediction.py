@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from fedic import _core
 from fedic._core import CORRELATION_OPTIONS, Mesh
 from fedic._internal.types import Camera, Floats, Image
+from fedic.io.images import as_image
 from fedic.options import core_options
 
 __all__ = ["MOST_NODES", "strain_deviations"]
@@ -57,7 +58,7 @@ def strain_deviations(
     heights = mesh.points[mesh.used_nodes, 2] if mesh.points.shape[1] > 2 else np.zeros(1)
     if given.get("regularization_length") is not None or mesh.num_nodes > MOST_NODES or np.ptp(heights) > 0.0:
         return found
-    covariance = _covariance(image, mesh, camera, noise, given)
+    covariance = _covariance(as_image(image, "reference"), mesh, camera, noise, given)
     for first, nodes, apart in _blocks(mesh):
         dofs = (2 * nodes[:, :, np.newaxis] + np.arange(2)).reshape(len(nodes), -1)
         operator = _strain_operator(apart, nodes.shape[1])
@@ -68,7 +69,7 @@ def strain_deviations(
 
 
 def _covariance(image: Image, mesh: Mesh, camera: Camera, noise: float, options: Mapping[str, Any]) -> Floats:
-    """Return the covariance of the displacement of all nodes, (2 n, 2 n); that of unused nodes is zero."""
+    """Return the covariance of the displacement of all nodes, (2 n, 2 n); NaN of nodes without points."""
     arguments = core_options(options, CORRELATION_OPTIONS)
     points, weights, cells = _core.Correlator(image, mesh, camera, **arguments).quadrature_points()
     interpolation, smoothing = arguments.get("interpolation", "bspline5"), arguments.get("smoothing", 0.8)
@@ -77,6 +78,8 @@ def _covariance(image: Image, mesh: Mesh, camera: Camera, noise: float, options:
     if arguments.get("quadrature", ("rotated", 1.0))[0] != "pixel":
         pixels = weights * np.abs(np.linalg.det(jacobian))
     pixels = np.minimum(pixels, max(1.25, 4.0 * np.pi * smoothing**2))
+    # Saturated points have no weight and stand for no pixel.
+    spread = np.divide(weights**2, pixels, out=np.zeros_like(weights), where=pixels > 0.0)
     once, twice = _gradients(image, camera.project(points), interpolation, smoothing)
     once, twice = (np.einsum("nij,ni->nj", jacobian, gradient) for gradient in (once, twice))
     size = 2 * mesh.num_nodes
@@ -92,14 +95,13 @@ def _covariance(image: Image, mesh: Mesh, camera: Camera, noise: float, options:
             dofs = (2 * members[:, np.newaxis] + np.arange(2)).ravel()
             for matrix, gradient, weight in (
                 (hessian, once[at], weights[at]),
-                (gathered, twice[at], weights[at] ** 2 / pixels[at]),
+                (gathered, twice[at], spread[at]),
             ):
                 rows = (shape[:, :, np.newaxis] * gradient[:, np.newaxis, :]).reshape(len(at), -1)
                 matrix[np.ix_(dofs, dofs)] += rows.T @ (weight[:, np.newaxis] * rows)
-    used = np.repeat(mesh.used_nodes, 2)
-    kept = np.ix_(used, used)
+    kept = np.ix_(*2 * (np.diag(hessian) > 0.0,))
     inverse = np.linalg.inv(hessian[kept])
-    covariance = np.zeros((size, size))
+    covariance = np.full((size, size), np.nan)
     covariance[kept] = 2.0 * noise**2 * (inverse @ gathered[kept] @ inverse)
     return covariance
 
