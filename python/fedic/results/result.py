@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -321,15 +322,20 @@ class Result:
         """Write the result to a file, whole or not at all.
 
         ``.vtu`` and ``.vtk``
-            For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes,
-            ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``),
+            For ParaView: ``displacement`` and its ``standard_deviation`` (mesh unit) and ``displacement_px`` on the
+            nodes, ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``),
+            their standard deviations ``green_lagrange_strain_std_xx`` and so on,
             ``residual`` and ``correlation`` on the cells; ``flags`` on both (zero where nothing is doubtful), and
             ``converged`` and ``good`` as field data of the ``.vtu``, whose ``displacement`` has the unit of the mesh as
             VTK's ``UNITS_LABEL`` if it was given.
         ``.npz``
-            Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains``.
+            Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains`` and
+            ``strain_standard_deviations``.
         ``.json``
             The summary with the history and the measure, without the fields.
+
+        The standard deviations are those of `covariance`; NaN if the noise is not known, or the reference image is not
+        any more.
 
         Parameters
         ----------
@@ -380,7 +386,25 @@ class Result:
             "quality": self.quality.summary(),
         }
 
+    @cached_property
+    def _covariance(self) -> Covariance | None:
+        """Covariance for the noise of the verdict; None if it is not known, or the reference image is not any more."""
+        try:
+            return self.covariance()
+        except (ImageError, OptionError):
+            return None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_covariance"}
+
+    def _deviations(self, measure: StrainMeasure) -> tuple[Floats, Floats]:
+        """Return the standard deviations of the nodes and of the strains of the cells; NaN if they are not known."""
+        if self._covariance is None:
+            return np.full(self.displacement.shape, np.nan), np.full((self.mesh.num_cells, 3), np.nan)
+        return self._covariance.standard_deviations, self._covariance.strain_deviations(measure)
+
     def _arrays(self, measure: StrainMeasure) -> dict[str, NDArray[Any]]:
+        standard_deviations, strain_deviations = self._deviations(measure)
         return {
             "points": self.mesh.points,
             **{f"cells_{name}": nodes for name, nodes in self.mesh.cells.items()},
@@ -388,6 +412,8 @@ class Result:
             "pixel_displacement": self.pixel_displacement,
             "strains": self.strains(measure).components,
             "strain_measure": np.array(measure),
+            "standard_deviations": standard_deviations,
+            "strain_standard_deviations": strain_deviations,
             "cell_residuals": self.cell_residuals,
             "outside_cells": self.outside_cells,
             "history": np.array(self.history, dtype=np.float64).reshape(-1, 4),
@@ -402,6 +428,7 @@ class Result:
             "node_flags": self.quality.node_flags,
             "cell_flags": self.quality.cell_flags,
             "cell_correlation": self.quality.correlation,
+            "cell_kept_share": self.quality.kept_share,
             "node_standard_deviation_px": self.quality.standard_deviation,
             "noise": np.array(self.quality.noise),
             "good": np.array(self.quality.is_good),
