@@ -67,9 +67,9 @@ pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,
 };
 pub use fedic_mesh::{
-    Cell, CellType, Locator, Mesh, MeshError, MeshSet, Rule, StrainAxes, StrainField, StrainMeasure, SurfaceGradients,
-    SurfaceStrain, UnknownRule, UnknownStrainMeasure, cell_areas, interpolate_field, rectangle_mesh, shape_values,
-    surface_gradients,
+    Cell, CellEdge, CellType, LineError, Locator, Mesh, MeshError, MeshSet, Rule, StrainAxes, StrainField,
+    StrainMeasure, SurfaceGradients, SurfaceStrain, UnknownRule, UnknownStrainMeasure, cell_areas, interpolate_field,
+    rectangle_mesh, shape_values, surface_gradients,
 };
 pub use fedic_sparse::SparseError;
 pub use interpolation::image_sampler::ImageSampler;
