@@ -46,24 +46,31 @@ from fedic.meshing import unstructured_mesh
 from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.regularization import EquilibriumGap
-from fedic.results import Attempt, Iteration, Quality, Result, Strains
+from fedic.results import Attempt, Covariance, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
+    from fedic.advise import Advice, advise_element_size
+    from fedic.assess import Assessment, Pose, assess_poses
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
     from fedic.cameras.files import read_camera, write_camera
     from fedic.cross_validation import RegularizationCurve, regularization_curve
+    from fedic.noise import CameraNoise, NoiseFloor, camera_noise, noise_floor
     from fedic.registration import Registration, boundary_features, register
 
 __all__ = [
     "CELL_TYPES",
+    "Advice",
+    "Assessment",
     "Attempt",
     "Calibration",
     "CalibrationWarning",
     "CameraError",
+    "CameraNoise",
     "ConfigError",
     "ConvergenceWarning",
     "Correlator",
+    "Covariance",
     "EquilibriumGap",
     "FedicError",
     "FrontParallel",
@@ -74,9 +81,11 @@ __all__ = [
     "MeshError",
     "MeshQuadrature",
     "MeshSet",
+    "NoiseFloor",
     "OptionError",
     "Pinhole",
     "PixelQuadrature",
+    "Pose",
     "Progress",
     "Quality",
     "QualityWarning",
@@ -87,10 +96,14 @@ __all__ = [
     "SpecimenCalibration",
     "Strains",
     "__version__",
+    "advise_element_size",
+    "assess_poses",
     "boundary_features",
     "calibrate",
     "calibrate_on_specimen",
+    "camera_noise",
     "correlate",
+    "noise_floor",
     "read_camera",
     "read_image",
     "read_mesh",
@@ -115,6 +128,15 @@ _LAZY = {
     "register": "registration",
     "SpecimenCalibration": "calibration.specimen",
     "calibrate_on_specimen": "calibration.specimen",
+    "Advice": "advise",
+    "advise_element_size": "advise",
+    "Assessment": "assess",
+    "Pose": "assess",
+    "assess_poses": "assess",
+    "CameraNoise": "noise",
+    "NoiseFloor": "noise",
+    "camera_noise": "noise",
+    "noise_floor": "noise",
 }
 """Names imported on first use and their modules, which a measurement does not need."""
 

@@ -208,6 +208,7 @@ class Correlator:
             outside_cells=solution.outside_cells,
             unchecked_displacement=solution.unchecked_displacement,
             quality=quality,
+            information=solution.information,
             start=name,
             attempts=tuple(attempts),
             unit=self._unit,
@@ -306,7 +307,8 @@ class Correlator:
         (``q`` itself without a smoothing); ``A`` includes the regularization. With one point per pixel, as many pixels
         per area everywhere and neither smoothing nor regularization this is the Cramer-Rao bound
         ``2 noise^2 (sum q q^T)^-1``. ``p`` counts up to the pixels that a reading of the image averages, 1.25 or
-        ``4 pi smoothing^2`` if more: points further apart read noise of their own. At a displacement with the gradient
+        ``4 pi smoothing^2`` if more: points further apart read noise of their own. Along the border of the mesh the
+        smoothing gathers less noise. At a displacement with the gradient
         ``F`` it is ``F C F^T``, and the noise of the deformed image is averaged over ``det F`` times as many pixels.
 
         On a speckle of 5 pixels and cells of 20, with a noise of 5 to 10 % of the root mean square of the gradient per
@@ -323,10 +325,11 @@ class Correlator:
         - The noise of the reference image adds to its gradient: with a noise of a third of the gradient and no
           smoothing, the scatter is 1.25 times the prediction.
 
-        These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The cost is one
-        solution of the system per unknown, shared by the threads.
+        These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The variances are
+        entries of an inverse found by selected inversion: the cost is that of about six factorisations.
         """
-        return self._core.standard_deviations(noise, displacement)
+        nodes = self._core.covariance(noise, displacement).nodes()
+        return np.sqrt(np.diagonal(nodes, axis1=1, axis2=2))
 
 
 @with_options(CORRELATION_OPTIONS)

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::CellType;
+use crate::{CellType, LineError};
 
 /// A mesh that cannot be used. Variants name the cells or nodes at fault.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -85,6 +85,9 @@ pub enum MeshError {
         /// The tolerance given.
         tolerance: f64,
     },
+    /// A mesh cannot be cut along a line.
+    #[error(transparent)]
+    Line(#[from] LineError),
     /// A named set refers to a node or cell that does not exist.
     #[error("set \"{name}\" refers to {kind} {index}, but the mesh has {count} {kind}s")]
     SetOutOfRange {

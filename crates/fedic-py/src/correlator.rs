@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use fedic::{Iteration, Start, ThreadPool};
+use fedic::{Information, Iteration, Start, ThreadPool};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{rows, to_array};
 use crate::camera::any_camera;
+use crate::covariance::Covariance;
 use crate::errors::argument_error;
 use crate::image::{GreyArray, ReferenceImage};
 use crate::mesh::any_mesh;
@@ -108,19 +109,23 @@ impl Correlator {
         PyArray::from_vec(py, map).reshape([height, width])
     }
 
-    /// Standard deviation of the displacement of each node, (n, 2) float64; see `fedic.Correlator.standard_deviations`.
-    #[pyo3(signature = (noise, displacement=None))]
-    fn standard_deviations<'py>(
+    /// Covariance of the displacement, near a displacement; see `fedic.Result.covariance`. `information` is that of a solution.
+    #[pyo3(signature = (noise, displacement=None, information=None))]
+    fn covariance(
         &self,
-        py: Python<'py>,
+        py: Python<'_>,
         noise: f64,
-        displacement: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        displacement: Option<&Bound<'_, PyAny>>,
+        information: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Covariance> {
         let field = displacement.map(|field| rows::<2>(field, "displacement", argument_error)).transpose()?;
-        let deviations = run_on(py, Some(self.threads()), None, |monitor| {
-            self.inner.standard_deviations_with(noise, field.as_deref(), monitor)
+        let factors = information.map(|factors| rows::<2>(factors, "information", argument_error)).transpose()?;
+        let information: Option<Vec<Information>> =
+            factors.map(|factors| factors.into_iter().map(|[hessian, noise]| Information { hessian, noise }).collect());
+        let inner = run_on(py, Some(self.threads()), None, |monitor| {
+            self.inner.covariance(noise, field.as_deref(), information.as_deref(), monitor)
         })?;
-        to_array(py, &deviations)
+        Ok(Covariance::new(inner))
     }
 
     /// Share of the pixels at the full scale of an image in a rectangle of it.
@@ -273,6 +278,14 @@ impl Solution {
     fn node_evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let quality = &self.0.quality;
         named_rows(py, &[("deviation", &quality.deviation), ("conditioning", &quality.conditioning)])
+    }
+
+    /// Factors of each cell on the Hessian and on the noise, (num_cells, 2) float64; None if all are one.
+    #[getter]
+    fn information<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let factors =
+            |cells: &Vec<Information>| cells.iter().map(|cell| [cell.hessian, cell.noise]).collect::<Vec<_>>();
+        self.0.information.as_ref().map(|cells| to_array(py, &factors(cells))).transpose()
     }
 
     /// Bits of `CELL_FLAGS` of each cell, uint8.

@@ -28,6 +28,7 @@ impl IntoPyErr for MeshError {
         let (cells, nodes) = match self {
             Self::InvalidScale { .. } => return option_error(message, "factor"),
             Self::InvalidTolerance { .. } => return option_error(message, "tolerance"),
+            Self::Line(_) => return option_error(message, "line"),
             Self::InvalidRotation => return option_error(message, "rotation"),
             Self::NonFinitePoint { node } => (vec![], vec![node]),
             Self::NodeOutOfRange { cell, .. } => (vec![cell], vec![]),

@@ -4,6 +4,7 @@ mod arrays;
 mod camera;
 mod cell_type;
 mod correlator;
+mod covariance;
 mod errors;
 mod image;
 mod lens;
@@ -31,6 +32,8 @@ mod _core {
     use crate::cell_type::CellType;
     #[pymodule_export]
     use crate::correlator::{Correlator, Solution};
+    #[pymodule_export]
+    use crate::covariance::Covariance;
     #[pymodule_export]
     use crate::image::interpolate_image;
     #[pymodule_export]

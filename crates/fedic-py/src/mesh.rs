@@ -231,6 +231,35 @@ impl Mesh {
         self.moved(self.inner.merge_nodes(tolerance))
     }
 
+    /// The mesh cut along edges of its cells, so that the displacement may jump there.
+    ///
+    /// Parameters
+    /// ----------
+    /// line : (k, 2) or (k, 3) array_like
+    ///     Points of a line, at nodes of the mesh. Between one point and the next, the edges of cells lie on the straight line, or
+    ///     one edge joins the two, which may be curved; ``mesh.points[nodes]`` is a line through any nodes. Points and nodes may be
+    ///     1 % of the shortest edge there away from each other and from the line.
+    ///
+    /// Returns
+    /// -------
+    /// Mesh
+    ///     The same cells in the same order. Nodes keep their indices. Where the line separates cells, those to the right of it
+    ///     (towards ``-y`` of a line along ``+x``) get a new node; new nodes come last, in the order of the line. An end of the line inside the mesh stays single. Sets get the
+    ///     new nodes of their nodes; those that hold the nodes of their cells and no others still do.
+    ///
+    /// Raises
+    /// ------
+    /// OptionError
+    ///     If the line does not follow edges, or separates no cells; the message names the place.
+    ///
+    /// See Also
+    /// --------
+    /// coincident_nodes : The pairs of nodes along the cut, to its left and right.
+    /// merge_nodes : Joins them again.
+    fn split(&self, line: &Bound<'_, PyAny>) -> PyResult<Self> {
+        self.moved(self.inner.split(&arrays::points(line, "line", argument_error)?.0))
+    }
+
     /// Nodes of cells at the place of another one.
     ///
     /// Two nodes are at one place if they are closer than 1e-4 times the longest edge at either of them. They make a seam, along
@@ -240,7 +269,8 @@ impl Mesh {
     /// Returns
     /// -------
     /// (m, 2) int64
-    ///     The lowest-numbered node at a place, and each other node there.
+    ///     The lowest-numbered node at a place, and each other node there. Along a cut made by `split`: the node to the left of the
+    ///     line and the one to the right, in the order of the line.
     fn coincident_nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         let pairs = self.inner.coincident_nodes(fedic::Mesh::COINCIDENT).into_iter().flatten().map(i64::from).collect();
         table(py, pairs, 2)

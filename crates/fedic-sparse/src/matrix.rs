@@ -60,6 +60,24 @@ impl SymmetricMatrix {
         (0..pattern.block()).map(move |j| self.values[pattern.column_start(node, j)])
     }
 
+    /// The block of two nodes; `None` if the pattern does not couple them.
+    ///
+    /// # Panics
+    ///
+    /// If the pattern has no such node, or `D` is not the block size.
+    pub fn block<const D: usize>(&self, pattern: &Pattern, row: usize, column: usize) -> Option<[[f64; D]; D]> {
+        assert_eq!(D, pattern.block(), "blocks of another size");
+        let (low, high) = (row.min(column), row.max(column));
+        let place = pattern.node_column(low).binary_search(&(high as u32)).ok()?;
+        // Entry (i, j) of the block below the diagonal; that of the diagonal is stored as its lower triangle.
+        let entry = |i: usize, j: usize| {
+            let (i, j) = if place == 0 && i < j { (j, i) } else { (i, j) };
+            self.values[pattern.column_start(low, j) + place * D + i - j]
+        };
+        let of = |i: usize, j: usize| if row >= column { entry(i, j) } else { entry(j, i) };
+        Some(std::array::from_fn(|i| std::array::from_fn(|j| of(i, j))))
+    }
+
     /// Adds a number to the entries of a node on the diagonal.
     ///
     /// # Panics

@@ -20,10 +20,10 @@ use crate::observation::pixel_mask::PixelMask;
 use crate::observation::used_points::SATURATED_SQUARE;
 use crate::projection::projected_points::{pixel_displacement, project_nodes};
 use crate::projection::visibility::check_visibility;
-use crate::results::covariance;
+use crate::results::covariance::{Covariance, Prediction};
 use crate::results::flags::NodeFlag;
 use crate::results::residual_map::{ImagePair, residual_map};
-use crate::results::solution::Iteration;
+use crate::results::solution::{Information, Iteration};
 use crate::results::verdict::Judged;
 use crate::solve::basis::nodal::NodalBasis;
 use crate::solve::gauss_newton::{GaussNewton, residual_rms};
@@ -66,7 +66,7 @@ pub enum Start<'a> {
 ///
 /// See the [crate's documentation](crate) for an example.
 pub struct Correlator {
-    dofs: Dofs<PLANE>,
+    dofs: Arc<Dofs<PLANE>>,
     reference: Arc<dyn ImageSource>,
     camera: Arc<dyn Camera>,
     options: Options,
@@ -190,6 +190,7 @@ impl Correlator {
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
         let (laplacian, pyramid, last) = (OnceLock::new(), OnceLock::new(), Mutex::default());
+        let dofs = Arc::new(dofs);
         Ok(Self { dofs, reference, camera, options, size, mask, level, laplacian, pyramid, last, pool })
     }
 
@@ -330,65 +331,45 @@ impl Correlator {
         in_pool(self.threads(), || view_of(self.reference.as_ref(), map))??
     }
 
-    /// Standard deviation of the displacement of each node due to the noise of the images, in the mesh's unit, near a displacement
-    /// (`None` for none); NaN at nodes of no cell.
+    /// Covariance of the displacement due to the noise of the images, near a displacement (`None` for none).
     ///
     /// `noise` is the standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: white from
-    /// pixel to pixel, and the same in both images.
+    /// pixel to pixel, and the same in both images. `information` is that of a [`Solution`]; `None` if all points are used.
     ///
-    /// The standard deviations are the square roots of the diagonal of `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a
-    /// regularization included. `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p` pixels, with
+    /// The covariance is `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a regularization included.
+    /// `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p` pixels, with
     /// `h = N^T J_P^T grad f` of the reference image smoothed twice, since `A` and the noise of the right-hand side are smoothed once
     /// each. A point counts for no more pixels than an evaluation of the image averages: 1.25 through the interpolation, `4 pi s^2`
-    /// through a smoothing of standard deviation `s`.
+    /// through a smoothing of standard deviation `s`. Along the border of the mesh the smoothing gathers less noise.
     ///
     /// Only the scatter at convergence is predicted: neither the bias of interpolation and noise, nor that of a mesh too coarse for
     /// the field. The prediction is too large for [`Gradient::FiniteDifference`](crate::Gradient), as the sensitivity of the residual
     /// is that of the analytic gradient; too large with a smoothing as wide as a tenth of the cells, over which shape functions are
     /// taken as constant; and too small if the noise is not small beside the gradient of the reference image, to which it adds.
     ///
-    /// The cost is one solution of the system per unknown: it grows faster than the square of the number of nodes.
+    /// The cost is that of at most two factorisations and two selected inversions, about six factorisations.
     ///
     /// # Errors
     ///
-    /// [`Error`] if `noise` is negative or not finite, or the reference image cannot be viewed again.
-    pub fn standard_deviations(
+    /// [`Error`] if `noise` is negative or not finite, or the reference image cannot be viewed again; [`Error::Cancelled`] if `monitor`
+    /// asks to stop.
+    ///
+    /// # Panics
+    ///
+    /// If there is information, but not of each cell.
+    pub fn covariance(
         &self,
         noise: f64,
         displacement: Option<&[[f64; PLANE]]>,
-    ) -> Result<Vec<[f64; PLANE]>, Error> {
-        self.standard_deviations_with(noise, displacement, &())
-    }
-
-    /// Does what [`standard_deviations`](Self::standard_deviations) does, watched by a monitor.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`standard_deviations`](Self::standard_deviations); [`Error::Cancelled`] if `monitor` asks to stop.
-    pub fn standard_deviations_with(
-        &self,
-        noise: f64,
-        displacement: Option<&[[f64; PLANE]]>,
+        information: Option<&[Information]>,
         monitor: &dyn Monitor,
-    ) -> Result<Vec<[f64; PLANE]>, Error> {
+    ) -> Result<Covariance, Error> {
+        assert!(information.is_none_or(|cells| cells.len() == self.dofs.mesh.num_cells()), "information of each cell");
         let at_rest = vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()];
         let displacement = displacement.map(|field| self.dofs.restrict(field)).transpose()?.unwrap_or(at_rest);
+        let prediction = Prediction { noise, displacement: &displacement, information };
         let predict = |reference: ImageView<'_>| {
-            let prepared = (&self.level.observation, &self.level.factor);
-            let mut deviations = covariance::standard_deviations(
-                &self.dofs,
-                prepared,
-                reference,
-                &self.options,
-                (noise, &displacement),
-                monitor,
-            )?;
-            let blocks = &self.level.observation.node_blocks;
-            let without_points = |block: &[[f64; PLANE]; PLANE]| (0..PLANE).all(|c| block[c][c] == 0.0);
-            for (deviation, _) in deviations.iter_mut().zip(blocks).filter(|(_, block)| without_points(block)) {
-                *deviation = [f64::NAN; PLANE];
-            }
-            Ok(self.dofs.extend(&deviations))
+            Covariance::predict(&self.dofs, &self.level, reference, &self.options, &prediction, monitor)
         };
         in_pool(self.threads(), || view_of(self.reference.as_ref(), predict))??
     }
@@ -438,7 +419,7 @@ impl Correlator {
         let residual_rms = residual_rms(&solution.outcome.reports);
         // The first term is that of the image.
         let report = std::mem::take(&mut solution.outcome.reports).into_iter().next().unwrap_or_default();
-        let mut quality = Judged {
+        let judged = Judged {
             mesh: &self.dofs.mesh,
             level: &self.level,
             solution: &solution,
@@ -446,8 +427,9 @@ impl Correlator {
             smoothing: self.options.smoothing,
             noise: self.options.noise,
             robust: self.options.robust,
-        }
-        .quality();
+        };
+        let mut quality = judged.quality();
+        let information = judged.information(&quality);
         let outcome = solution.outcome;
         let measured = |node: usize| quality.node_flags[node] & NodeFlag::NotMeasured.bit() == 0;
         let mut displacement = outcome.displacement.clone();
@@ -472,6 +454,7 @@ impl Correlator {
             cell_residuals: cells().map(|(_, cell)| cell.residual).collect(),
             outside_cells: cells().filter(|(_, cell)| cell.is_partial).map(|(index, _)| index).collect(),
             num_points: self.num_points(),
+            information,
             quality,
         })
     }

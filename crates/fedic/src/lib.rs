@@ -67,9 +67,9 @@ pub use fedic_image::{
     Image, ImageError, ImageView, Interpolation, Interpolator, Pixels, central_differences, downsample, gaussian_filter,
 };
 pub use fedic_mesh::{
-    Cell, CellType, Locator, Mesh, MeshError, MeshSet, Rule, StrainAxes, StrainField, StrainMeasure, SurfaceGradients,
-    SurfaceStrain, UnknownRule, UnknownStrainMeasure, cell_areas, interpolate_field, rectangle_mesh, shape_values,
-    surface_gradients,
+    Cell, CellEdge, CellType, LineError, Locator, Mesh, MeshError, MeshSet, Rule, StrainAxes, StrainField,
+    StrainMeasure, SurfaceGradients, SurfaceStrain, UnknownRule, UnknownStrainMeasure, cell_areas, interpolate_field,
+    rectangle_mesh, shape_values, surface_gradients,
 };
 pub use fedic_sparse::SparseError;
 pub use interpolation::image_sampler::ImageSampler;
@@ -79,11 +79,12 @@ pub use options::{
     Brightness, EquilibriumGap, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue,
     Options, PlaneStress, Quadrature, Range, Robust,
 };
+pub use results::covariance::Covariance;
 pub use results::flags::{CellFlag, NodeFlag};
 pub use results::quality::{
     GRADIENT_TO_NOISE, MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE,
 };
-pub use results::solution::{Iteration, Solution};
+pub use results::solution::{Information, Iteration, Solution};
 pub use self_calibration::calibrate::{calibrate_on_specimen, calibrate_on_specimen_with};
 pub use self_calibration::motion::{MotionKind, RIGID};
 pub use self_calibration::options::SelfCalibrationOptions;

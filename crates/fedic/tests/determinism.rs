@@ -53,7 +53,7 @@ fn standard_deviations_do_not_depend_on_the_number_of_threads() {
     let deviations = |num_threads| -> Vec<u64> {
         let options = Options::default().smoothing(0.8).num_threads(num_threads);
         let correlator = Correlator::new(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), options).unwrap();
-        let found = correlator.standard_deviations(2.0, None).unwrap();
+        let found = correlator.covariance(2.0, None, None, &()).unwrap().standard_deviations();
         found.as_flattened().iter().map(|deviation| deviation.to_bits()).collect()
     };
     let alone = deviations(Some(1));

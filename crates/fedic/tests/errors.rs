@@ -109,7 +109,7 @@ fn the_noise_must_be_zero_or_positive() {
     let [reference, _] = images();
     let correlator = prepare(&reference, &inner_mesh(), Options::default()).unwrap();
     for noise in [-0.5, f64::NAN, f64::INFINITY] {
-        let error = correlator.standard_deviations(noise, None).unwrap_err();
+        let error = correlator.covariance(noise, None, None, &()).unwrap_err();
         assert!(
             matches!(&error, Error::Option(OptionError::Invalid { option: "noise", value, .. }) if *value == noise.to_string()),
             "{error:?}"
@@ -309,11 +309,11 @@ fn a_monitor_cancels_every_stage() {
         assert_eq!(result, Err(Error::Cancelled));
         assert_eq!(monitor.steps.into_inner(), steps, "after {patience} questions");
     }
-    // During the assembly of the covariance and between the solutions.
-    for patience in [0, cells - 1, cells, cells + 2] {
+    // During the assembly of the covariance and between the inversions.
+    for patience in [0, cells - 1, cells, cells + 1] {
         let monitor = Impatient::new(patience);
-        let result = correlator.standard_deviations_with(1.0, None, &monitor);
-        assert_eq!(result, Err(Error::Cancelled), "after {patience} questions");
+        let result = correlator.covariance(1.0, None, None, &monitor);
+        assert!(matches!(result, Err(Error::Cancelled)), "after {patience} questions");
     }
     let monitor = Impatient::new(3);
     assert_eq!(correlator.correlate_with(deformed.view(), Start::Pyramid, &monitor), Err(Error::Cancelled));

@@ -53,9 +53,9 @@ class Measurement:
         deformed = self.deformed.read()
         return self._prepared().residual_map(deformed, displacement)
 
-    def standard_deviations(self, noise: float, displacement: Floats) -> Floats:
-        """Return the standard deviation of the displacement for a noise of the images, near a displacement."""
-        return self._prepared().standard_deviations(noise, displacement)
+    def covariance(self, noise: float, displacement: Floats, information: Floats | None) -> _core.Covariance:
+        """Return the covariance of the displacement for a noise of the images, near a displacement."""
+        return self._prepared().covariance(noise, displacement, information)
 
     def _prepared(self) -> _core.Correlator:
         correlator = None if self.correlator is None else self.correlator()

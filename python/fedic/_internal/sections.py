@@ -59,7 +59,7 @@ class Schema:
     ----------
     sections : mapping of str to type
         The model of each section by its dotted name; a section that is one of several models has the tag of the model
-        as last part of its name, such as ``"camera.pinhole"``.
+        as last part of its name, such as ``"camera.pinhole"``; of a list of sections all have one name.
     choices : mapping of str to tuple of str
         For each section that is one of several models, the values of its key ``model``.
     """
@@ -127,7 +127,8 @@ def _dotted(location: tuple[int | str, ...], schema: Schema) -> str:
 
 
 def _suggestion(location: tuple[int | str, ...], schema: Schema) -> str:
-    known = list(schema.sections[_name(location[:-1])].model_fields)
+    section = _name(tuple(part for part in location[:-1] if isinstance(part, str)))
+    known = list(schema.sections[section].model_fields)
     nearest = difflib.get_close_matches(str(location[-1]), known, n=1)
     return f'did you mean "{nearest[0]}"?' if nearest else f"the keys here are {', '.join(known)}."
 

@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from fedic._core import __version__
-from fedic.cli import _calibrate, _demo, _register, _run
+from fedic.cli import _advise, _assess, _calibrate, _demo, _noise, _register, _run
 
 __all__ = ["app"]
 
@@ -42,6 +42,9 @@ app = typer.Typer(
 app.command("run")(_run.run_command)
 app.command("calibrate")(_calibrate.calibrate_command)
 app.command("register")(_register.register_command)
+app.command("noise")(_noise.noise_command)
+app.command("assess")(_assess.assess_command)
+app.command("advise")(_advise.advise_command)
 app.command("demo")(_demo.demo_command)
 
 

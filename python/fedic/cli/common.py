@@ -1,6 +1,6 @@
 """Parts that commands share: error messages, tables, and options of output files."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, TypeAlias
@@ -15,6 +15,7 @@ __all__ = [
     "CameraOption",
     "OverwriteOption",
     "PictureOption",
+    "check_output",
     "check_picture",
     "reported_errors",
 ]
@@ -43,6 +44,32 @@ def reported_errors() -> Iterator[None]:
         raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
+def check_output(output: Path | None, suffixes: Sequence[str], inputs: Iterable[Path], *, overwrite: bool) -> None:
+    """Check, before any long work, that writing a table of results replaces no file that is to be kept.
+
+    Parameters
+    ----------
+    output : Path, optional
+        The file.
+    suffixes : sequence of str
+        Suffixes that can be written.
+    inputs : iterable of Path
+        Images that are read.
+    overwrite : bool
+        If true, an existing file is replaced.
+
+    Raises
+    ------
+    FedicError
+        If the file cannot be written, is an input, or exists and `overwrite` is false.
+    """
+    if output is None:
+        return
+    if output.suffix.lower() not in suffixes:
+        raise FedicError(f"{output}: the results cannot be written as {output.suffix!r}; give {' or '.join(suffixes)}.")
+    _check_replaced(output, inputs, "the results", overwrite=overwrite)
+
+
 def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bool) -> None:
     """Check, before any long work, that writing a picture replaces no file that is to be kept.
 
@@ -60,18 +87,23 @@ def check_picture(picture: Path | None, images: Iterable[Path], *, overwrite: bo
     FedicError
         If the picture cannot be written, is one of the images, or exists and `overwrite` is false.
     """
-    from fedic.io.images import split_page
     from fedic.plotting.png_files import check_picture_path
 
     if picture is None:
         return
     check_picture_path(picture)
-    if not picture.parent.is_dir():
-        raise FedicError(f"{picture}: the folder {picture.parent} does not exist; make it first.")
-    if not picture.exists():
+    _check_replaced(picture, images, "the picture", overwrite=overwrite)
+
+
+def _check_replaced(path: Path, inputs: Iterable[Path], what: str, *, overwrite: bool) -> None:
+    from fedic.io.images import split_page
+
+    if not path.parent.is_dir():
+        raise FedicError(f"{path}: the folder {path.parent} does not exist; make it first.")
+    if not path.exists():
         return
-    files = [split_page(image)[0] for image in images]
-    if any(file.exists() and picture.samefile(file) for file in files):
-        raise FedicError(f"{picture}: the picture would replace an input image; give it another name.")
+    files = [split_page(each)[0] for each in inputs]
+    if any(file.exists() and path.samefile(file) for file in files):
+        raise FedicError(f"{path}: {what} would replace an input image; give it another name.")
     if not overwrite:
-        raise FedicError(f"{picture}: this file exists and was not changed; --overwrite replaces it by the picture.")
+        raise FedicError(f"{path}: this file exists and was not changed; --overwrite replaces it by {what}.")

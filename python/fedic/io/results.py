@@ -90,6 +90,7 @@ def _write_vtk(path: Path, mesh: Mesh, arrays: Mapping[str, NDArray[Any]]) -> No
 def _point_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return {
         "displacement": _three_components(arrays["displacement"]),
+        "standard_deviation": _three_components(arrays["standard_deviations"]),
         "displacement_px": _three_components(arrays["pixel_displacement"]),
         "standard_deviation_px": arrays["node_standard_deviation_px"],
         "flags": arrays["node_flags"],
@@ -99,8 +100,10 @@ def _point_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 def _cell_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     measure = str(arrays["strain_measure"]).replace("-", "_")
     strains = zip(("xx", "yy", "xy"), arrays["strains"].T, strict=True)
+    deviations = zip(("xx", "yy", "xy"), arrays["strain_standard_deviations"].T, strict=True)
     return {
         **{f"{measure}_strain_{component}": values for component, values in strains},
+        **{f"{measure}_strain_std_{component}": values for component, values in deviations},
         "residual": arrays["cell_residuals"],
         "correlation": arrays["cell_correlation"],
         "flags": arrays["cell_flags"],

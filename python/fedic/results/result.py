@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -11,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from fedic._core import Mesh
 from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, StrPath
-from fedic.errors import ImageError
+from fedic.errors import ImageError, OptionError
 from fedic.io.results import write_result
 from fedic.results.attempt import Attempt
+from fedic.results.covariance import Covariance
 from fedic.results.quality import Quality
 from fedic.results.strains import StrainAxes, StrainMeasure, Strains
 
@@ -87,6 +89,12 @@ class Result:
     start : str
         The start that led here: ``"zero"``, ``"pyramid"``, ``"fft"``, ``"features"``, ``"log-polar"``, ``"flow"``,
         ``"given"``, or one of these followed by ``"+pyramid"``.
+    information : ndarray of float, shape (num_cells, 2), or None
+        Factors of each cell on the Hessian and on the noise of the covariance: less than one where points are not used
+        or robust weights are at work. None if all are one.
+    information : ndarray of float, shape (num_cells, 2), or None
+        Factors of each cell on the Hessian and on the noise of the covariance: less than one where points are not used
+        or robust weights are at work. None if all are one.
     attempts : tuple of Attempt
         What each start led to that ``"auto"`` tried; that of this result is the last.
     unit : str
@@ -108,6 +116,7 @@ class Result:
     unchecked_displacement: Floats
     quality: Quality
     start: str
+    information: Floats | None = field(default=None, repr=False)
     attempts: tuple[Attempt, ...] = ()
     unit: str = ""
     _measurement: Measurement | None = field(default=None, repr=False)
@@ -248,8 +257,8 @@ class Result:
         """
         return self._images().residual_map(np.nan_to_num(self.unchecked_displacement))
 
-    def standard_deviations(self, noise: float | None = None) -> Floats:
-        """Predict the standard deviation of the displacement from the noise of the images.
+    def covariance(self, noise: float | None = None) -> Covariance:
+        """Predict the covariance of the displacement from the noise of the images.
 
         Parameters
         ----------
@@ -259,8 +268,36 @@ class Result:
 
         Returns
         -------
+        Covariance
+            Of the displacement of the nodes, and of strains, gauges and points; through smoothing, regularization and
+            robust weights. See `Correlator.standard_deviations`.
+
+        Raises
+        ------
+        OptionError
+            If the noise is negative or not finite, or there is none.
+        ImageError
+            If the reference image is no longer known or has changed since the measurement.
+        """
+        level = self.quality.noise if noise is None else noise
+        if noise is None and not math.isfinite(level):
+            raise OptionError("the noise of the images is not known: give it as noise, in grey levels", "noise")
+        displacement = np.nan_to_num(self.unchecked_displacement)
+        found = self._images().covariance(level, displacement, self.information)
+        return Covariance(self.mesh, displacement, float(level), self.valid_nodes, self.valid_cells, found)
+
+    def standard_deviations(self, noise: float | None = None) -> Floats:
+        """Predict the standard deviation of the displacement from the noise of the images.
+
+        Parameters
+        ----------
+        noise : float, optional
+            Standard deviation of the noise of one image, in grey levels; see `covariance`.
+
+        Returns
+        -------
         ndarray of float, shape (n, 2)
-            In the mesh's unit; NaN at nodes that were not measured. See `Correlator.standard_deviations`.
+            In the mesh's unit; NaN at nodes that were not measured, and everywhere if the noise is not known.
 
         Raises
         ------
@@ -269,12 +306,9 @@ class Result:
         ImageError
             If the reference image is no longer known or has changed since the measurement.
         """
-        level = self.quality.noise if noise is None else noise
-        if noise is None and not math.isfinite(level):
+        if noise is None and not math.isfinite(self.quality.noise):
             return np.full(self.displacement.shape, np.nan)
-        deviations = self._images().standard_deviations(level, np.nan_to_num(self.unchecked_displacement))
-        deviations[~self.valid_nodes] = np.nan
-        return deviations
+        return self.covariance(noise).standard_deviations
 
     def _images(self) -> Measurement:
         if self._measurement is None:
@@ -288,15 +322,20 @@ class Result:
         """Write the result to a file, whole or not at all.
 
         ``.vtu`` and ``.vtk``
-            For ParaView: ``displacement`` (mesh unit) and ``displacement_px`` on the nodes,
-            ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``),
+            For ParaView: ``displacement`` and its ``standard_deviation`` (mesh unit) and ``displacement_px`` on the
+            nodes, ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy`` (or ``hencky_strain_xx``, ``small_strain_xx``),
+            their standard deviations ``green_lagrange_strain_std_xx`` and so on,
             ``residual`` and ``correlation`` on the cells; ``flags`` on both (zero where nothing is doubtful), and
             ``converged`` and ``good`` as field data of the ``.vtu``, whose ``displacement`` has the unit of the mesh as
             VTK's ``UNITS_LABEL`` if it was given.
         ``.npz``
-            Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains``.
+            Every array, for `numpy.load`; ``strain_measure`` names the measure of ``strains`` and
+            ``strain_standard_deviations``.
         ``.json``
             The summary with the history and the measure, without the fields.
+
+        The standard deviations are those of `covariance`; NaN if the noise is not known, or the reference image is not
+        any more.
 
         Parameters
         ----------
@@ -347,7 +386,25 @@ class Result:
             "quality": self.quality.summary(),
         }
 
+    @cached_property
+    def _covariance(self) -> Covariance | None:
+        """Covariance for the noise of the verdict; None if it is not known, or the reference image is not any more."""
+        try:
+            return self.covariance()
+        except (ImageError, OptionError):
+            return None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_covariance"}
+
+    def _deviations(self, measure: StrainMeasure) -> tuple[Floats, Floats]:
+        """Return the standard deviations of the nodes and of the strains of the cells; NaN if they are not known."""
+        if self._covariance is None:
+            return np.full(self.displacement.shape, np.nan), np.full((self.mesh.num_cells, 3), np.nan)
+        return self._covariance.standard_deviations, self._covariance.strain_deviations(measure)
+
     def _arrays(self, measure: StrainMeasure) -> dict[str, NDArray[Any]]:
+        standard_deviations, strain_deviations = self._deviations(measure)
         return {
             "points": self.mesh.points,
             **{f"cells_{name}": nodes for name, nodes in self.mesh.cells.items()},
@@ -355,6 +412,8 @@ class Result:
             "pixel_displacement": self.pixel_displacement,
             "strains": self.strains(measure).components,
             "strain_measure": np.array(measure),
+            "standard_deviations": standard_deviations,
+            "strain_standard_deviations": strain_deviations,
             "cell_residuals": self.cell_residuals,
             "outside_cells": self.outside_cells,
             "history": np.array(self.history, dtype=np.float64).reshape(-1, 4),
@@ -369,6 +428,7 @@ class Result:
             "node_flags": self.quality.node_flags,
             "cell_flags": self.quality.cell_flags,
             "cell_correlation": self.quality.correlation,
+            "cell_kept_share": self.quality.kept_share,
             "node_standard_deviation_px": self.quality.standard_deviation,
             "noise": np.array(self.quality.noise),
             "good": np.array(self.quality.is_good),

@@ -26,11 +26,16 @@ impl Mesh {
     /// # Ok::<(), fedic_mesh::MeshError>(())
     /// ```
     pub fn coincident_nodes(&self, relative: f64) -> Vec<[u32; 2]> {
+        let places = self.places(relative);
+        (0..).zip(places).filter(|(node, first)| node != first).map(|(node, first)| [first, node]).collect()
+    }
+
+    /// The lowest node of cells at the place of each node, as [`coincident_nodes`](Self::coincident_nodes) finds them.
+    pub(super) fn places(&self, relative: f64) -> Vec<u32> {
         let reach: Vec<f64> = self.longest_edges().into_iter().map(|length| relative * length).collect();
         let used = self.used_nodes();
         let nodes: Vec<u32> = (0..self.num_nodes() as u32).filter(|&node| used[node as usize]).collect();
-        let joined = self.joined(nodes, |a, b| reach[a as usize].min(reach[b as usize]));
-        (0..).zip(joined).filter(|(node, first)| node != first).map(|(node, first)| [first, node]).collect()
+        self.joined(nodes, |a, b| reach[a as usize].min(reach[b as usize]))
     }
 
     /// The mesh with nodes joined that are at most `tolerance` apart, in the mesh's unit, directly or by way of others.
@@ -107,7 +112,12 @@ impl Mesh {
 
     /// Coordinate of each node along a direction in which few nodes of a regular mesh coincide.
     pub(super) fn sorting_coordinates(&self) -> Vec<f64> {
-        self.points.iter().map(|p| p.iter().zip(SORTING_DIRECTION).map(|(c, d)| c * d).sum()).collect()
+        self.points.iter().map(Self::sorting_coordinate).collect()
+    }
+
+    /// Coordinate of a point along that direction.
+    pub(super) fn sorting_coordinate(point: &[f64; 3]) -> f64 {
+        point.iter().zip(SORTING_DIRECTION).map(|(c, d)| c * d).sum()
     }
 
     /// Distance of two nodes.

@@ -4,14 +4,19 @@ mod boundary;
 mod coincident;
 mod collapsed;
 mod distortion;
+mod edges;
 mod hanging;
 mod orientation;
 mod sets;
+mod slits;
+mod split;
 mod transform;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+pub use edges::CellEdge;
 pub use sets::MeshSet;
+pub use split::LineError;
 
 use crate::{CellType, MAX_NODES, MeshError};
 

@@ -52,13 +52,20 @@ impl Mesh {
             }
             sort_unique(&mut set.cells);
             if set.nodes.is_empty() {
-                set.nodes = set.cells.iter().flat_map(|&cell| self.cell(cell as usize).nodes).copied().collect();
+                set.nodes = self.nodes_of_cells(&set.cells);
             }
             sort_unique(&mut set.nodes);
             checked.insert(name, set);
         }
         self.sets = checked;
         Ok(self)
+    }
+
+    /// Nodes of some cells, ascending.
+    pub(super) fn nodes_of_cells(&self, cells: &[u32]) -> Vec<u32> {
+        let mut nodes = cells.iter().flat_map(|&cell| self.cell(cell as usize).nodes).copied().collect();
+        sort_unique(&mut nodes);
+        nodes
     }
 }
 

@@ -97,6 +97,15 @@ impl<const D: usize> Dofs<D> {
         })
     }
 
+    /// Factorises a matrix that is known to be positive definite.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::TooLarge`] if the factor does not fit in memory.
+    pub(crate) fn factorize_known(&self, matrix: &SymmetricMatrix) -> Result<Factor, SolveError> {
+        self.cholesky.factorize(matrix).map_err(|_| SolveError::TooLarge { dofs: self.pattern.num_dofs() })
+    }
+
     /// Refuses a mesh with nodes all of whose cells are flat, as given by `is_flat` for each cell.
     ///
     /// # Errors

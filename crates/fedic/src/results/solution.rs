@@ -16,6 +16,15 @@ pub struct Iteration {
     pub residual_rms: f64,
 }
 
+/// What a cell contributes to the covariance of the displacement, relative to that of all its points without robust weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Information {
+    /// Factor on its share of the Hessian.
+    pub hessian: f64,
+    /// Factor on the covariance of its right-hand side.
+    pub noise: f64,
+}
+
 /// The displacement field and how it was reached.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -43,6 +52,8 @@ pub struct Solution {
     pub outside_cells: Vec<usize>,
     /// Number of quadrature points.
     pub num_points: usize,
+    /// What each cell contributes to the covariance; `None` if all points of all cells are used with the same weight.
+    pub information: Option<Vec<Information>>,
     /// Evidence of each cell and node, and their flags.
     pub quality: Quality,
 }

@@ -5,19 +5,23 @@ use std::f64::consts::PI;
 use fedic_mesh::{CellType, Mesh};
 
 use crate::equations::deformation::folded_cells;
-use crate::equations::term::CellAgreement;
+use crate::equations::term::{CellAgreement, WeighedCell};
 use crate::projection::projected_points::project_nodes;
 use crate::quadrature::shape_table::mean_squared_shapes;
-use crate::results::covariance::pixels_averaged;
+use crate::results::covariance::noise_pass::pixels_averaged;
 use crate::results::flags::{CellFlag, NodeFlag};
 use crate::results::quality::{
     GRADIENT_TO_NOISE, MAX_DEVIATION, MAX_LIGHT, MIN_CORRELATION, NODE_ERROR, Quality, SIGNIFICANCE,
 };
+use crate::results::solution::Information;
 use crate::solve::level::{Level, LevelSolution};
 use crate::{PLANE, Robust};
 
 /// Root mean square of the gradient of unit white noise, interpolated by splines without smoothing, about.
 const NOISE_GRADIENT: f64 = 0.7;
+
+/// Smallest mean derivative of the weighed residual of a cell: that of few inliers may be zero or negative.
+const MIN_SLOPE: f64 = 0.05;
 
 /// Measurement that is judged.
 pub(crate) struct Judged<'a> {
@@ -58,6 +62,26 @@ impl Judged<'_> {
             deviation,
             conditioning,
         }
+    }
+
+    /// What each cell contributes to the covariance, for a verdict on it; `None` if all points are used with the same weight.
+    pub(crate) fn information(&self, quality: &Quality) -> Option<Vec<Information>> {
+        let averaged = pixels_averaged(self.smoothing);
+        let variance = 2.0 * quality.noise * quality.noise / averaged;
+        let of_cell = |cell: &CellAgreement| {
+            if cell.is_dropped || cell.used.is_nan() || cell.used <= 0.0 {
+                return Information { hessian: 0.0, noise: 0.0 };
+            }
+            let used = cell.used.min(1.0);
+            match cell.weighed {
+                None => Information { hessian: used, noise: used },
+                Some(WeighedCell { slope, power, .. }) => {
+                    Information { hessian: used * slope.max(MIN_SLOPE), noise: used * power / variance }
+                }
+            }
+        };
+        let all: Vec<Information> = self.cells.iter().map(of_cell).collect();
+        all.iter().any(|cell| *cell != Information { hessian: 1.0, noise: 1.0 }).then_some(all)
     }
 
     fn cell_flags(&self, folded: &[bool], variance: f64, averaged: f64) -> Vec<u8> {

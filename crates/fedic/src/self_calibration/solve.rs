@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::error::self_calibration::SelfCalibrationError;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::photometry::is_flat;
-use crate::results::covariance::pixels_averaged;
+use crate::results::covariance::noise_pass::pixels_averaged;
 use crate::self_calibration::image_stack::{ImageStack, LevelImages};
 use crate::self_calibration::levenberg_marquardt::{Criterion, Minimum, minimize};
 use crate::self_calibration::motion::{Motion, RIGID};

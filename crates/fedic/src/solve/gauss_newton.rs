@@ -30,6 +30,8 @@ pub(crate) struct Outcome<const D: usize> {
     pub(crate) converged: bool,
     /// Estimate of the largest error of a node that is left, in pixels of the level.
     pub(crate) error_left: f64,
+    /// Length of the last increment of each node, in pixels of the level.
+    pub(crate) increments: Vec<f64>,
     /// Report of each term at the displacement before the last increment.
     pub(crate) reports: Vec<TermReport>,
 }
@@ -103,7 +105,7 @@ impl GaussNewton {
             previous = Some(largest);
             let converged = error_left <= self.tolerance && !terms.iter().any(|term| term.has_changed());
             if converged || iteration == self.max_iterations {
-                return Ok(Outcome { displacement, converged, error_left, reports });
+                return Ok(Outcome { displacement, converged, error_left, increments: lengths, reports });
             }
         }
     }

@@ -33,6 +33,8 @@ use crate::{Brightness, Error, Monitor, Robust};
 const FLAT_GRADIENT: f64 = 1e-3;
 /// Largest number of times that a frame is measured, each without the cells found to be damaged before.
 const MAX_ROUNDS: usize = 4;
+/// Increment in pixels, at the end of iterations that did not converge, of a node that does not come to rest.
+const RESTLESS: f64 = 0.01;
 
 /// A level of the pyramid; level 0 is the image at full resolution.
 pub(crate) struct Level<const D: usize> {
@@ -171,6 +173,11 @@ impl<const D: usize> Level<D> {
         })
     }
 
+    /// Matrix of the penalty and its factor, if the displacement is smoothed.
+    pub(crate) fn penalty(&self) -> Option<(&SymmetricMatrix, f64)> {
+        self.penalty.as_ref().map(|(smoothing, factor)| (smoothing.matrix(), *factor))
+    }
+
     /// The image term of a deformed image.
     pub(crate) fn image_term<'a>(
         &'a self,
@@ -258,12 +265,19 @@ impl<const D: usize> Level<D> {
     }
 }
 
-/// Cells that are damaged: most of their points are outliers, they do not correlate, or they are folded.
+/// Cells that are damaged: most of their points are outliers, they do not correlate, they are folded, or a node of theirs does not
+/// come to rest.
 fn damaged_cells<const D: usize>(robust: Robust, mesh: &Mesh, outcome: &Outcome<D>) -> Vec<usize> {
     let folded = folded_cells(mesh, &outcome.displacement);
+    let is_restless = |&node: &u32| !outcome.converged && outcome.increments[node as usize] > RESTLESS;
+    let is_damaged = |index: usize, cell: &CellAgreement| {
+        cell.kept() < robust.min_kept()
+            || cell.correlation < MIN_CORRELATION
+            || folded[index]
+            || mesh.cell(index).nodes.iter().any(is_restless)
+    };
     let cells = outcome.reports.iter().flat_map(|report| report.cells.iter().enumerate());
-    let is_damaged = |cell: &CellAgreement| cell.kept() < robust.min_kept() || cell.correlation < MIN_CORRELATION;
-    cells.filter(|(index, cell)| is_damaged(cell) || folded[*index]).map(|(index, _)| index).collect()
+    cells.filter(|&(index, cell)| is_damaged(index, cell)).map(|(index, _)| index).collect()
 }
 
 /// Area and texture of each cell, from the trace of its Hessian and its weight.
