@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 
 use super::scene::{System, isotropic, rectangle, sides};
 
-const SIDE: f64 = 30.0;
+const SIDE: f64 = 24.0;
 const LENGTH: f64 = 8.0;
 
 /// Ratio of the standard deviations with and without the penalty, root mean square over some nodes, for noise of the covariance `M`.
@@ -24,7 +24,7 @@ fn ratio(system: &System, is_counted: impl Fn([f64; 3]) -> bool) -> f64 {
 }
 
 #[test]
-fn noise_inside_is_a_twelfth_and_at_free_edges_a_tenth() {
+fn noise_inside_and_at_free_edges_is_lowered_to_a_tenth() {
     for cell_type in CellType::ALL {
         let mesh = rectangle([SIDE, SIDE], cell_type, 0.0);
         let gap = System::gap(&mesh, isotropic(), sides(&mesh, SIDE), LENGTH);
@@ -34,11 +34,9 @@ fn noise_inside_is_a_twelfth_and_at_free_edges_a_tenth() {
         let loaded = |[x, y, _]: [f64; 3]| y < 1e-9 && x > 4.5 && x < SIDE - 4.5;
         let of = |system: &System| [ratio(system, inside), ratio(system, free), ratio(system, loaded)];
         let (gap, curvature) = (of(&gap), of(&curvature));
-        println!("{cell_type:?}: gap {gap:.3?}, curvature {curvature:.3?}");
-        if cell_type == CellType::Quad {
-            assert!(gap[0] < 0.09 && gap[0] < curvature[0], "{gap:?} {curvature:?}");
-            assert!(gap[1] < 0.12, "{gap:?}");
-        }
+        // Quadratic cells have more noise without a penalty.
+        assert!(gap[0] < 0.11 && gap[0] < 0.9 * curvature[0], "{cell_type:?}: {gap:?} {curvature:?}");
+        assert!(gap[1] < 0.11, "{cell_type:?}: {gap:?}");
         assert!(gap[2] > 0.5, "{cell_type:?}: loaded edges are not regularized: {gap:?}");
     }
 }
