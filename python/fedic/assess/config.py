@@ -10,6 +10,7 @@ from fedic._internal.units import checked_unit
 from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
 from fedic.campaign.camera_section import CameraFileSection, CameraSection
 from fedic.campaign.correlation_section import CorrelationSection
+from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
 from fedic.campaign.image_list import expand_names
 from fedic.campaign.mesh_section import MeshSection, RectangleSection, UnstructuredSection
 from fedic.errors import ConfigError, ImageError, OptionError
@@ -85,6 +86,7 @@ _SCHEMA = Schema(
         "mesh.unstructured": UnstructuredSection,
         "camera.file": CameraFileSection,
         "correlation": CorrelationSection,
+        "correlation.equilibrium_gap": EquilibriumGapSection,
         "assessment": AssessmentSection,
         "limits": LimitsSection,
         **CAMERA_SCHEMA.sections,

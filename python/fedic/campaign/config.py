@@ -10,6 +10,7 @@ from fedic._internal.units import checked_unit
 from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
 from fedic.campaign.camera_section import CameraFileSection, CameraSection
 from fedic.campaign.correlation_section import CorrelationSection
+from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
 from fedic.campaign.image_list import expand_names
 from fedic.campaign.mesh_section import MeshSection, RectangleSection, UnstructuredSection
 from fedic.campaign.outputs import Outputs, result_names
@@ -92,6 +93,7 @@ _SCHEMA = Schema(
         "mesh.unstructured": UnstructuredSection,
         "camera.file": CameraFileSection,
         "correlation": CorrelationSection,
+        "correlation.equilibrium_gap": EquilibriumGapSection,
         "output": OutputSection,
         **CAMERA_SCHEMA.sections,
     },

@@ -6,6 +6,7 @@ from pydantic import Field, create_model, model_validator
 
 from fedic._core import CORRELATION_OPTIONS, OptionInfo
 from fedic._internal.sections import Section
+from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
 from fedic.correlation import Start
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 
@@ -19,12 +20,21 @@ class _Base(Section):
             raise ValueError('density should be left out with quadrature = "pixel", which has no density')
         return self
 
+    @model_validator(mode="after")
+    def _length_of_an_equilibrium_gap(self) -> "_Base":
+        if getattr(self, "equilibrium_gap", None) is not None and getattr(self, "regularization_length", None) is None:
+            raise ValueError("regularization_length should be given with an equilibrium_gap: the wave that it halves")
+        return self
+
     def options(self) -> dict[str, Any]:
         """Return the keyword arguments of `fedic.Correlator`."""
         options: dict[str, Any] = {
             name: None if value == "none" else value for name, value in self.model_dump().items()
         }
         rule, density = options["quadrature"], options.pop("density")
+        gap = options.pop("equilibrium_gap")
+        if gap is not None:
+            options["regularization"] = EquilibriumGapSection(**gap).build()
         options["quadrature"] = PixelQuadrature() if rule == "pixel" else MeshQuadrature(density, rule)
         return options
 
@@ -36,7 +46,10 @@ def _fields() -> dict[str, tuple[Any, Any]]:
         fields[info.name] = _field(info)
         if info.kind == "quadrature":
             fields["density"] = _numbers(info), MeshQuadrature().density
-    return fields | {"initial": (Literal[get_args(Start)], "auto")}
+    return fields | {
+        "initial": (Literal[get_args(Start)], "auto"),
+        "equilibrium_gap": (EquilibriumGapSection | None, None),
+    }
 
 
 def _field(info: OptionInfo) -> tuple[Any, Any]:
