@@ -34,6 +34,10 @@ const FLAT_GRADIENT: f64 = 1e-3;
 const MAX_ROUNDS: usize = 4;
 /// Increment in pixels, at the end of iterations that did not converge, of a node that does not come to rest.
 const RESTLESS: f64 = 0.01;
+/// Largest share of such nodes for which something is damaged.
+const RESTLESS_SHARE: f64 = 0.05;
+/// Scatter of a doubtful cell, relative to the median.
+const LARGE_SCATTER: f64 = 2.0;
 
 /// A level of the pyramid; level 0 is the image at full resolution.
 pub(crate) struct Level<const D: usize> {
@@ -75,6 +79,8 @@ pub(crate) struct LevelSolution<const D: usize> {
     pub(crate) outcome: Outcome<D>,
     /// Block of each node on the diagonal of the Hessian over the points used last.
     pub(crate) node_blocks: Vec<[[f64; D]; D]>,
+    /// Robust weights of the points of each cell; absent in cells without outliers, empty without such weights.
+    pub(crate) point_weights: Vec<Option<Box<[f32]>>>,
 }
 
 /// How a level is made.
@@ -217,7 +223,8 @@ impl<const D: usize> Level<D> {
             let outcome = outcome.map_err(|error| dofs.in_user_nodes(error))?;
             let damaged = images.robust.map(|robust| damaged_cells(robust, &dofs.mesh, &outcome)).unwrap_or_default();
             if round == MAX_ROUNDS || !image.drop_cells(damaged) {
-                return Ok(LevelSolution { outcome, node_blocks: image.node_blocks().to_vec() });
+                let node_blocks = image.node_blocks().to_vec();
+                return Ok(LevelSolution { outcome, node_blocks, point_weights: image.into_weights() });
             }
             displacement = outcome.displacement;
         }
@@ -252,19 +259,28 @@ impl<const D: usize> Level<D> {
     }
 }
 
-/// Cells that are damaged: most of their points are outliers, they do not correlate, they are folded, or a node of theirs does not
-/// come to rest.
+/// Cells that are damaged: most of their points are outliers, they do not correlate, they are folded, or some of their points are
+/// outliers, or most are large residuals, and a node does not come to rest.
 fn damaged_cells<const D: usize>(robust: Robust, mesh: &Mesh, outcome: &Outcome<D>) -> Vec<usize> {
     let folded = folded_cells(mesh, &outcome.displacement);
-    let is_restless = |&node: &u32| !outcome.converged && outcome.increments[node as usize] > RESTLESS;
+    let cells = || outcome.reports.iter().flat_map(|report| report.cells.iter().enumerate());
+    let restless = |&increment: &f64| increment > RESTLESS;
+    let num_restless = outcome.increments.iter().filter(|increment| restless(increment)).count();
+    // Many nodes move where the start was too far off, not where something is damaged.
+    let may_be_restless =
+        !outcome.converged && (num_restless as f64) < RESTLESS_SHARE * outcome.increments.len() as f64;
+    let is_restless = |&node: &u32| may_be_restless && restless(&outcome.increments[node as usize]);
+    let mut scatter: Vec<f64> = cells().map(|(_, cell)| cell.scatter).filter(|scatter| !scatter.is_nan()).collect();
+    scatter.sort_unstable_by(f64::total_cmp);
+    let large = LARGE_SCATTER * scatter.get(scatter.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let is_doubtful = |cell: &CellAgreement| cell.weighed.is_some() || cell.scatter > large;
     let is_damaged = |index: usize, cell: &CellAgreement| {
         cell.kept() < robust.min_kept()
             || cell.correlation < MIN_CORRELATION
             || folded[index]
-            || mesh.cell(index).nodes.iter().any(is_restless)
+            || (is_doubtful(cell) && mesh.cell(index).nodes.iter().any(is_restless))
     };
-    let cells = outcome.reports.iter().flat_map(|report| report.cells.iter().enumerate());
-    cells.filter(|&(index, cell)| is_damaged(index, cell)).map(|(index, _)| index).collect()
+    cells().filter(|&(index, cell)| is_damaged(index, cell)).map(|(index, _)| index).collect()
 }
 
 /// Area and texture of each cell, from the trace of its Hessian and its weight.
