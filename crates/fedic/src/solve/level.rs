@@ -33,7 +33,7 @@ const FLAT_GRADIENT: f64 = 1e-3;
 /// Largest number of times that a frame is measured, each without the cells found to be damaged before.
 const MAX_ROUNDS: usize = 4;
 /// Increment in pixels, at the end of iterations that did not converge, of a node that does not come to rest.
-const RESTLESS: f64 = 0.01;
+const RESTLESS: f64 = 0.06;
 /// Largest share of such nodes for which something is damaged.
 const RESTLESS_SHARE: f64 = 0.05;
 /// Scatter of a doubtful cell, relative to the median.
