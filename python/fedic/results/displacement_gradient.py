@@ -15,9 +15,7 @@ _STEP = 1e-6
 """Step of the central differences of the Hencky strain."""
 
 
-def displacement_gradients(
-    mesh: Mesh, displacement: Floats, at: Literal["cells"] | ArrayLike = "cells"
-) -> Floats:
+def displacement_gradients(mesh: Mesh, displacement: Floats, at: Literal["cells"] | ArrayLike = "cells") -> Floats:
     """Return the displacement gradient at the centres of the cells or at points.
 
     Parameters
