@@ -1,4 +1,4 @@
-"""Robust weights, brightness as a field and cuts: the good part of a damaged specimen is measured, the bad part named."""
+"""Robust weights, brightness as a field and cuts: the good part of a specimen is measured, the damage named."""
 
 import pickle
 import warnings

@@ -111,7 +111,7 @@ impl Correlator {
         py: Python<'_>,
         noise: f64,
         displacement: Option<&Bound<'_, PyAny>>,
-        information: Option<(Bound<'_, PyAny>, Vec<usize>, Vec<Vec<f32>>)>,
+        information: Option<GivenInformation<'_>>,
     ) -> PyResult<Covariance> {
         let field = displacement.map(|field| rows::<2>(field, "displacement", argument_error)).transpose()?;
         let information = information.map(cell_information).transpose()?;
@@ -300,10 +300,11 @@ impl Solution {
 /// Factors of the cells, cells with robust weights, and their weights.
 type CellInformation<'py> = (Bound<'py, PyArray2<f64>>, Vec<usize>, Vec<Bound<'py, PyArray1<f32>>>);
 
+/// The same as an argument.
+type GivenInformation<'py> = (Bound<'py, PyAny>, Vec<usize>, Vec<Vec<f32>>);
+
 /// What each cell contributes to the covariance, as `Solution.information` gives it.
-fn cell_information(
-    (factors, cells, weights): (Bound<'_, PyAny>, Vec<usize>, Vec<Vec<f32>>),
-) -> PyResult<Vec<Information>> {
+fn cell_information((factors, cells, weights): GivenInformation<'_>) -> PyResult<Vec<Information>> {
     let factors = rows::<2>(&factors, "information", argument_error)?;
     let full = factors.into_iter().map(|[hessian, noise]| Information { hessian, noise, weights: None });
     let mut information: Vec<Information> = full.collect();

@@ -55,7 +55,7 @@ def strain_derivative(gradients: Floats, measure: StrainMeasure) -> Floats:
     """
     derivative = np.zeros((len(gradients), 3, 4))
     if measure == "small":
-        derivative[:] = [[1, 0, 0, 0], [0, 0, 0, 1], [0, 0.5, 0.5, 0]]
+        derivative[:] = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.5, 0.0]])
     elif measure == "green-lagrange":
         ux, uy, vx, vy = gradients.T
         derivative[:, 0, 0], derivative[:, 0, 2] = 1 + ux, vx
