@@ -45,6 +45,7 @@ from fedic.io.meshes import read_mesh
 from fedic.meshing import unstructured_mesh
 from fedic.progress import Progress
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
+from fedic.regularization import EquilibriumGap
 from fedic.results import Attempt, Covariance, Iteration, Quality, Result, Strains
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
     from fedic.cameras.files import read_camera, write_camera
+    from fedic.cross_validation import RegularizationCurve, regularization_curve
     from fedic.noise import CameraNoise, NoiseFloor, camera_noise, noise_floor
     from fedic.registration import Registration, boundary_features, register
 
@@ -69,6 +71,7 @@ __all__ = [
     "ConvergenceWarning",
     "Correlator",
     "Covariance",
+    "EquilibriumGap",
     "FedicError",
     "FrontParallel",
     "ImageError",
@@ -87,6 +90,7 @@ __all__ = [
     "Quality",
     "QualityWarning",
     "Registration",
+    "RegularizationCurve",
     "Result",
     "SolveError",
     "SpecimenCalibration",
@@ -105,6 +109,7 @@ __all__ = [
     "read_mesh",
     "rectangle_mesh",
     "register",
+    "regularization_curve",
     "synthetic",
     "unstructured_mesh",
     "write_camera",
@@ -116,6 +121,8 @@ _LAZY = {
     "calibrate": "calibration",
     "read_camera": "cameras.files",
     "write_camera": "cameras.files",
+    "RegularizationCurve": "cross_validation",
+    "regularization_curve": "cross_validation",
     "Registration": "registration",
     "boundary_features": "registration",
     "register": "registration",

@@ -117,6 +117,8 @@ class Mesh:
     @property
     def used_nodes(self) -> NDArray[np.bool_]: ...
     @property
+    def boundary_nodes(self) -> NDArray[np.bool_]: ...
+    @property
     def flipped_cells(self) -> NDArray[np.int64]: ...
     def areas(self) -> NDArray[np.float64]: ...
     def outlines(self) -> list[NDArray[np.int64]]: ...
@@ -324,6 +326,13 @@ SPECIMEN_OPTIONS: list[OptionInfo]
 def check_correlation_options(**options: object) -> None: ...
 
 @final
+class PlaneStress:
+    @staticmethod
+    def isotropic(nu: float) -> PlaneStress: ...
+    @staticmethod
+    def orthotropic(e1: float, e2: float, nu12: float, g12: float, angle: float) -> PlaneStress: ...
+
+@final
 class Correlator:
     def __new__(
         cls,
@@ -332,6 +341,7 @@ class Correlator:
         camera: _Camera,
         *,
         mask: NDArray[np.bool_] | None = None,
+        gap: tuple[PlaneStress, NDArray[np.int64]] | None = None,
         progress: Callable[[str, int, int, float, float], Any] | None = None,
         **options: object,
     ) -> Correlator: ...

@@ -25,6 +25,7 @@ from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
+from fedic.regularization.equilibrium_gap import Regularization, core_gap
 from fedic.results import Attempt, Iteration, Result
 from fedic.results.verdict import quality_of, warn_of_quality
 from fedic.starts.autocorrelation import may_repeat
@@ -41,6 +42,8 @@ __all__ = ["Correlator", "Initial", "Mask", "Start", "correlate"]
 Start: TypeAlias = Literal["auto", "zero", "pyramid", "fft", "features", "log-polar", "flow"]
 Initial: TypeAlias = Start | ArrayLike | Result
 Mask: TypeAlias = ArrayLike | Sequence[ArrayLike]
+
+_OTHER_ARGUMENTS = ("initial", "mask", "regularization", "unit", "progress")
 
 
 @with_options(CORRELATION_OPTIONS)
@@ -67,6 +70,10 @@ class Correlator:
     mask : array_like of shape (height, width), or list of polygons, optional
         Pixels of the reference image that are left out: where an image is true or not zero, or inside polygons of shape
         (k, 2), their corners ``(u, v)`` in pixels. Points within twice the smoothing of such a pixel carry no weight.
+    regularization : {"smooth"} or EquilibriumGap
+        What `regularization_length` is the length of: ``"smooth"``, a penalty on the second derivatives of the
+        displacement, or `EquilibriumGap`, one on the forces of linear elasticity where no load acts. See
+        docs/regularization.md.
     unit : str, optional
         Unit of length of the mesh, such as ``"mm"``, for the labels of pictures and for files; ``"px"`` for a mesh
         drawn in pixels.
@@ -96,11 +103,12 @@ class Correlator:
         *,
         initial: Initial = "auto",
         mask: Mask | None = None,
+        regularization: Regularization = "smooth",
         unit: str | None = None,
         progress: ProgressCallback | None = None,
         **options: "Unpack[CorrelationOptions]",
     ) -> None:
-        arguments = core_options(options, CORRELATION_OPTIONS, ("initial", "mask", "unit", "progress"))
+        arguments = core_options(options, CORRELATION_OPTIONS, _OTHER_ARGUMENTS)
         self._unit = checked_unit(unit, camera)
         self._reference = copy_if_writable(reference, "reference")
         self._mesh = mesh
@@ -108,9 +116,11 @@ class Correlator:
         self._initial = _checked_initial(initial, mesh)
         check_image_size(camera, self._reference.shape, "reference")
         self._mask = pixel_mask(mask, self._reference.shape)
+        self._regularization = regularization
+        gap = core_gap(regularization, mesh)
         try:
             self._core = _core.Correlator(
-                self._reference, mesh, camera, mask=self._mask, progress=core_callback(progress), **arguments
+                self._reference, mesh, camera, mask=self._mask, gap=gap, progress=core_callback(progress), **arguments
             )
         except (MeshError, SolveError) as error:
             error.message = with_size(error.message, mesh, camera, self._reference.shape)
@@ -124,7 +134,13 @@ class Correlator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what the correlator was made of: it is prepared anew where it is loaded."""
-        named = {"initial": self._initial, "mask": self._mask, "unit": self._unit or None, **self._given_options}
+        named = {
+            "initial": self._initial,
+            "mask": self._mask,
+            "regularization": self._regularization,
+            "unit": self._unit or None,
+            **self._given_options,
+        }
         return _prepared_again, (type(self), (self._reference, self._mesh, self._camera), named)
 
     @property
@@ -202,6 +218,7 @@ class Correlator:
                 mesh=self._mesh,
                 camera=self._camera,
                 mask=self._mask,
+                regularization=self._regularization,
                 options=self._options,
                 correlator=weakref.ref(self._core),
             ),
@@ -324,6 +341,7 @@ def correlate(
     *,
     initial: Initial = "auto",
     mask: Mask | None = None,
+    regularization: Regularization = "smooth",
     unit: str | None = None,
     progress: ProgressCallback | None = None,
     **options: "Unpack[CorrelationOptions]",
@@ -344,6 +362,8 @@ def correlate(
         Initial displacement; see `Correlator`.
     mask : array_like of shape (height, width), or list of polygons, optional
         Pixels of the reference image that are left out; see `Correlator`.
+    regularization : {"smooth"} or EquilibriumGap
+        What `regularization_length` is the length of; see `Correlator`.
     unit : str, optional
         Unit of length of the mesh; see `Correlator`.
     progress : callable, optional
@@ -366,7 +386,15 @@ def correlate(
         As `Correlator.correlate`.
     """
     correlator = Correlator(
-        reference, mesh, camera, initial=initial, mask=mask, unit=unit, progress=progress, **options
+        reference,
+        mesh,
+        camera,
+        initial=initial,
+        mask=mask,
+        regularization=regularization,
+        unit=unit,
+        progress=progress,
+        **options,
     )
     return correlator.correlate(deformed, progress=progress)
 

@@ -24,7 +24,7 @@ pub use cells::{
 pub use error::{MeshError, list_indices};
 pub use field::{
     StrainAxes, StrainField, StrainMeasure, SurfaceGradients, SurfaceStrain, UnknownStrainMeasure, cell_areas,
-    interpolate_field, surface_gradients,
+    gauss_quadrature, interpolate_field, surface_gradients,
 };
 pub use isoparametric::{inverse_map, jacobian, map};
 pub use locate::Locator;

@@ -14,6 +14,7 @@ use crate::errors::argument_error;
 use crate::image::{GreyArray, ReferenceImage};
 use crate::mesh::any_mesh;
 use crate::options::correlation_options;
+use crate::plane_stress::equilibrium_gap;
 use crate::worker::{SHARED, run_briefly, run_on};
 
 const DEFORMED: &str = "the deformed image";
@@ -26,14 +27,17 @@ pub(crate) struct Correlator {
 
 #[pymethods]
 impl Correlator {
+    /// The regularization is that of the equilibrium gap with a pair of a `PlaneStress` and an (m,) array of free nodes as `gap`.
     #[new]
-    #[pyo3(signature = (reference, mesh, camera, *, mask=None, progress=None, **options))]
+    #[pyo3(signature = (reference, mesh, camera, *, mask=None, gap=None, progress=None, **options))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
         mesh: &Bound<'_, PyAny>,
         camera: &Bound<'_, PyAny>,
         mask: Option<PyReadonlyArray2<'_, bool>>,
+        gap: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
@@ -43,8 +47,9 @@ impl Correlator {
         let shared = options.num_threads.is_none().then_some(&SHARED);
         let reference = Arc::new(ReferenceImage::new(reference)?);
         let mask: Option<Vec<bool>> = mask.map(|mask| mask.as_array().iter().copied().collect());
+        let gap = gap.map(equilibrium_gap).transpose()?;
         let inner = run_on(py, shared, progress, move |monitor| {
-            fedic::Correlator::new_with(reference, mesh, camera, options, mask.as_deref(), monitor)
+            fedic::Correlator::new_with(reference, mesh, camera, options, mask.as_deref(), gap.as_ref(), monitor)
         })?;
         Ok(Self { inner })
     }

@@ -79,7 +79,7 @@ impl IntoPyErr for SolveError {
                 message += "; initial=\"pyramid\" and initial=\"fft\" start closer";
                 nodes
             }
-            Self::Singular { nodes, .. } => nodes,
+            Self::Singular { nodes, .. } | Self::FlatPart { nodes } | Self::FlatEdge { nodes } => nodes,
             _ => vec![],
         };
         python::SolveError::new_err((message, nodes))

@@ -12,6 +12,7 @@ mod lens;
 mod mesh;
 mod mesh_set;
 mod options;
+mod plane_stress;
 mod rectangle;
 mod self_calibration;
 mod strains;
@@ -44,6 +45,8 @@ mod _core {
     use crate::mesh_set::MeshSet;
     #[pymodule_export]
     use crate::options::{PyOptionInfo, check_correlation_options};
+    #[pymodule_export]
+    use crate::plane_stress::PlaneStress;
     #[pymodule_export]
     use crate::rectangle::rectangle_mesh;
     #[pymodule_export]

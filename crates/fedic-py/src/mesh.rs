@@ -330,6 +330,12 @@ impl Mesh {
         PyArray1::from_vec(py, self.inner.used_nodes())
     }
 
+    /// For each node, whether it lies on the boundary: on a piece of an edge that one cell only has, (n,) bool.
+    #[getter]
+    fn boundary_nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        PyArray1::from_vec(py, self.inner.boundary_nodes())
+    }
+
     /// Indices of the cells that have been reversed relative to the order given, ascending; cells are numbered over all types
     /// in order.
     #[getter]

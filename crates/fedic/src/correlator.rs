@@ -9,6 +9,7 @@ use fedic_mesh::{Mesh, map};
 
 use crate::equations::dofs::Dofs;
 use crate::equations::terms::curvature::Curvature;
+use crate::equations::terms::equilibrium_gap::Gap;
 use crate::equations::terms::laplacian::Laplacian;
 use crate::error::check_memory;
 use crate::interpolation::image_sampler::ImageSampler;
@@ -30,7 +31,9 @@ use crate::solve::level::{Comparison, Level, LevelSettings, Smoothing};
 use crate::solve::start::pyramid::Pyramid;
 use crate::solve::start::smooth_field::smooth_start;
 use crate::threads::in_pool;
-use crate::{Error, ImageSource, Monitor, Options, PLANE, Progress, Solution, Stage, ThreadPool};
+use crate::{
+    EquilibriumGap, Error, ImageSource, Monitor, OptionError, Options, PLANE, Progress, Solution, Stage, ThreadPool,
+};
 
 /// Number of unknowns from which on the factor is kept in single precision. It would take 5 MB, which each iteration reads twice.
 const COMPACT_DOFS: usize = 10_000;
@@ -115,16 +118,17 @@ impl Correlator {
         camera: Arc<dyn Camera>,
         options: Options,
     ) -> Result<Self, Error> {
-        Self::new_with(reference, mesh, camera, options, None, &())
+        Self::new_with(reference, mesh, camera, options, None, None, &())
     }
 
     /// Does what [`new`](Self::new) does, watched by a monitor, and leaves out the pixels where `mask` is true. It has one entry for
     /// each pixel of the reference image, row after row. Points within two standard deviations of the smoothing of a masked pixel
-    /// are left out as well.
+    /// are left out as well. With `gap` the regularization is that of the equilibrium gap, instead of the one on second derivatives.
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new); [`Error::MaskSize`]; [`Error::NoUsablePoints`] if the mask leaves no cell;
+    /// Those of [`new`](Self::new); [`Error::Option`] if `gap` does not fit the mesh, or no regularization length is given with it;
+    /// [`Error::MaskSize`]; [`Error::NoUsablePoints`] if the mask leaves no cell;
     /// [`Error::Cancelled`] if `monitor` asks to stop.
     pub fn new_with(
         reference: Arc<dyn ImageSource>,
@@ -132,9 +136,14 @@ impl Correlator {
         camera: Arc<dyn Camera>,
         options: Options,
         mask: Option<&[bool]>,
+        gap: Option<&EquilibriumGap>,
         monitor: &dyn Monitor,
     ) -> Result<Self, Error> {
         options.check()?;
+        if gap.is_some() && options.regularization_length.is_none() {
+            let expected = "a positive wavelength in pixels with the equilibrium gap";
+            return Err(OptionError::invalid("regularization_length", expected, &"none").into());
+        }
         let pool = options.num_threads.map(|number| ThreadPool::new(Some(number)));
         let prepare = |view: ImageView<'_>| {
             check_visibility(mesh, camera.as_ref())?;
@@ -151,12 +160,19 @@ impl Correlator {
             let mask = mask.map(|mask| Arc::new(PixelMask::new(size[0], mask.to_vec()).dilated(reach)));
             // The order of the unknowns is computed serially: the image is prepared at the same time.
             let (dofs, sampler) = rayon::join(
-                || if options.regularization_length.is_some() { Dofs::with_patches(mesh) } else { Dofs::new(mesh) },
+                || match options.regularization_length {
+                    Some(_) if gap.is_some() => Dofs::with_stars(mesh),
+                    Some(_) => Dofs::with_patches(mesh),
+                    None => Dofs::new(mesh),
+                },
                 || ImageSampler::new(view, options.interpolation, options.gradient, options.smoothing),
             );
             let (dofs, sampler) = (dofs?, sampler?);
-            let curvature = |length| Curvature::new(&dofs, camera.as_ref(), length, monitor);
-            let smoothing = options.regularization_length.map(curvature).transpose()?.map(Smoothing::Curvature);
+            let smoothing = |length| match gap {
+                Some(gap) => Gap::new(&dofs, camera.as_ref(), gap, length, monitor).map(Smoothing::Gap),
+                None => Curvature::new(&dofs, camera.as_ref(), length, monitor).map(Smoothing::Curvature),
+            };
+            let smoothing = options.regularization_length.map(smoothing).transpose()?;
             let settings = LevelSettings {
                 observation: ObservationSettings {
                     quadrature: options.quadrature,

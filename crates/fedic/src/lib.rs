@@ -76,8 +76,8 @@ pub use interpolation::image_sampler::ImageSampler;
 pub use monitor::{Monitor, Progress, Stage};
 pub use observation::image_source::ImageSource;
 pub use options::{
-    Brightness, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue, Options, Quadrature,
-    Range, Robust,
+    Brightness, EquilibriumGap, Gradient, Hessian, OptionError, OptionInfo, OptionKind, OptionType, OptionValue,
+    Options, PlaneStress, Quadrature, Range, Robust,
 };
 pub use results::covariance::Covariance;
 pub use results::flags::{CellFlag, NodeFlag};

@@ -288,7 +288,7 @@ fn a_monitor_cancels_every_stage() {
     let prepare = |monitor: &dyn Monitor| {
         // Without smoothing no pass prepares its correction for the deformation.
         let options = Options::default().smoothing(0.0);
-        Correlator::new_with(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), options, None, monitor)
+        Correlator::new_with(Arc::new(reference.clone()), &mesh, Arc::new(ImageFrame), options, None, None, monitor)
     };
     for patience in [0, cells / 2] {
         let monitor = Impatient::new(patience);

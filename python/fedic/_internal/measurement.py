@@ -12,6 +12,7 @@ from fedic import _core
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats
 from fedic.io.kept import KeptImage
+from fedic.regularization.equilibrium_gap import Regularization, core_gap
 
 __all__ = ["Measurement"]
 
@@ -30,6 +31,8 @@ class Measurement:
         The camera.
     mask : ndarray of bool, or None
         Pixels of the reference image that are left out.
+    regularization : {"smooth"} or EquilibriumGap
+        Kind of the regularization.
     options : mapping
         Keyword arguments of the core's correlator.
     correlator : weakref to Correlator, or None
@@ -41,6 +44,7 @@ class Measurement:
     mesh: Mesh
     camera: Camera
     mask: NDArray[np.bool_] | None
+    regularization: Regularization
     options: Mapping[str, Any]
     correlator: "weakref.ref[_core.Correlator] | None" = field(default=None, repr=False)
 
@@ -56,7 +60,10 @@ class Measurement:
     def _prepared(self) -> _core.Correlator:
         correlator = None if self.correlator is None else self.correlator()
         if correlator is None:
-            correlator = _core.Correlator(self.reference.read(), self.mesh, self.camera, mask=self.mask, **self.options)
+            gap = core_gap(self.regularization, self.mesh)
+            correlator = _core.Correlator(
+                self.reference.read(), self.mesh, self.camera, mask=self.mask, gap=gap, **self.options
+            )
         return correlator
 
     def __getstate__(self) -> dict[str, Any]:

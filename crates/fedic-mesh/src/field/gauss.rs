@@ -14,7 +14,15 @@ const LEGENDRE: [(f64, f64); 4] = [
 ///
 /// Exact for polynomials of degree 7 in each coordinate of the square and of degree 6 in the triangle, so for the mass
 /// matrices of quadratic cells with curved edges.
-pub(super) fn quadrature(domain: ReferenceDomain) -> impl Iterator<Item = ([f64; 2], f64)> {
+///
+/// # Examples
+///
+/// ```
+/// use fedic_mesh::{ReferenceDomain, gauss_quadrature};
+/// let integral: f64 = gauss_quadrature(ReferenceDomain::Triangle).map(|([xi, eta], weight)| weight * xi * eta).sum();
+/// assert!((integral - 1.0 / 24.0).abs() < 1e-15);
+/// ```
+pub fn gauss_quadrature(domain: ReferenceDomain) -> impl Iterator<Item = ([f64; 2], f64)> {
     LEGENDRE.into_iter().flat_map(move |(x, wx)| {
         LEGENDRE.into_iter().map(move |(y, wy)| match domain {
             ReferenceDomain::Square => ([x, y], wx * wy),

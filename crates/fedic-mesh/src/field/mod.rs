@@ -7,6 +7,7 @@ mod interpolate;
 mod strain;
 
 pub use area::cell_areas;
+pub use gauss::gauss_quadrature;
 pub use gradient::{SurfaceGradients, surface_gradients};
 pub use interpolate::interpolate_field;
 pub use strain::{StrainAxes, StrainField, StrainMeasure, SurfaceStrain, UnknownStrainMeasure};

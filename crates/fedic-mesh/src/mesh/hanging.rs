@@ -47,20 +47,4 @@ impl Mesh {
         let at = (from_a * from_a - from_b * from_b + length * length) / (2.0 * length);
         from_a * from_a - at * at <= reach * reach
     }
-
-    /// Pieces of edges, between neighbouring nodes, of one cell only.
-    fn boundary_edges(&self) -> Vec<[u32; 2]> {
-        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(4 * self.num_cells());
-        for cell in self.cells() {
-            let outline = cell.cell_type.outline();
-            for (k, &from) in outline.iter().enumerate() {
-                let [a, b] = [from, outline[(k + 1) % outline.len()]].map(|local| cell.nodes[local]);
-                if a != b {
-                    edges.push([a.min(b), a.max(b)]);
-                }
-            }
-        }
-        edges.sort_unstable();
-        edges.chunk_by(|a, b| a == b).filter(|uses| uses.len() == 1).map(|uses| uses[0]).collect()
-    }
 }

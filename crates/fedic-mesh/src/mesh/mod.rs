@@ -1,5 +1,6 @@
 //! The mesh: nodes, cells of any mixture of types and named sets, validated on construction.
 
+mod boundary;
 mod coincident;
 mod collapsed;
 mod distortion;

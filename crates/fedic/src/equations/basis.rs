@@ -17,6 +17,9 @@ pub(crate) trait Basis<const D: usize>: Sync {
     /// Takes the deformation gradient as the same at all nodes, so that it leaves the null space of a penalty as it is.
     fn average_deformation(&mut self) {}
 
+    /// Takes the deformation gradient as the rotation of its mean: a penalty in axes that turn with it is the same as without it.
+    fn average_rotation(&mut self) {}
+
     /// Equations without any term.
     fn equations(&self, with_hessian: bool) -> NormalEquations;
 

@@ -72,6 +72,24 @@ impl<const D: usize> NodalDeformation<D> {
         self.gradients.fill(mean);
     }
 
+    /// Rotation of the mean deformation gradient, that of its polar decomposition.
+    pub(crate) fn mean_rotation(&self) -> Tensor<D> {
+        let mut mean = self.clone();
+        mean.average();
+        let entry = |i: usize, j: usize| match mean.gradients.first() {
+            Some(gradient) if i < D && j < D => gradient[i][j],
+            _ => f64::from(i == j),
+        };
+        let rotation = polar_rotation(&Matrix3::from_fn(entry));
+        std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)]))
+    }
+
+    /// Replaces the deformation gradient of each node by the rotation of their mean.
+    pub(crate) fn average_rotation(&mut self) {
+        let rotation = self.mean_rotation();
+        self.gradients.fill(rotation);
+    }
+
     /// Deformation gradient of each node.
     pub(crate) fn gradients(&self) -> &[Tensor<D>] {
         &self.gradients
@@ -112,6 +130,15 @@ pub(crate) fn cell_gradients<const D: usize>(mesh: &Mesh, displacement: &[[f64; 
         cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement).map(|(gradient, _)| gradient)
     };
     mesh.cells().map(of_cell).collect()
+}
+
+/// The rotation nearest to a matrix.
+fn polar_rotation(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+    let svd = matrix.svd(true, true);
+    let (Some(left), Some(right)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
+    // Against a reflection the direction of the least singular value, the last, is turned round.
+    let sign = (left * right).determinant().signum();
+    left * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * right
 }
 
 fn identity<const D: usize>() -> Tensor<D> {
@@ -208,6 +235,27 @@ mod tests {
         let expected = std::array::from_fn(|i| std::array::from_fn(|j| rotation.matrix()[(i, j)]));
         assert!(largest_difference(found.gradients(), expected) < 1e-12);
         assert!(found.stretch < 1e-12);
+    }
+
+    #[test]
+    fn the_mean_rotation_is_that_of_the_polar_decomposition() {
+        let mesh = rectangle_mesh([0.0, 0.0, 4.0, 3.0], 1.0, CellType::Quad).unwrap();
+        for degrees in [0.0_f64, 30.0, 90.0, 179.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let stretched = |x: f64, y: f64| [1.1 * x + 0.02 * y, 0.02 * x + 0.95 * y];
+            let field: Vec<[f64; 2]> = mesh
+                .points()
+                .iter()
+                .map(|&[x, y, _]| {
+                    let [a, b] = stretched(x, y);
+                    [cos * a - sin * b - x, sin * a + cos * b - y]
+                })
+                .collect();
+            let found = NodalDeformation::of(&mesh, &field).mean_rotation();
+            assert!(largest_difference(&[found], [[cos, -sin], [sin, cos]]) < 1e-14, "{degrees} degrees");
+        }
+        let reflected = polar_rotation(&Matrix3::from_diagonal(&Vector3::new(1.0, -0.1, 1.0)));
+        assert!((reflected - Matrix3::identity()).abs().max() < 1e-14);
     }
 
     #[test]

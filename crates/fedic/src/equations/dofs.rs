@@ -14,8 +14,11 @@ use crate::{Error, SolveError};
 pub(crate) struct Dofs<const D: usize> {
     pub(crate) mesh: Mesh,
     pub(crate) pattern: Pattern,
-    /// Patches whose nodes are coupled, after the cells in the pattern. Empty unless a penalty couples them.
+    /// Patches of the mesh, if a penalty couples nodes of several cells.
     pub(crate) patches: Vec<Patch>,
+    /// Groups of nodes that are coupled, after the cells in the pattern: those of each patch, or the star of each node, which are the
+    /// nodes of its cells, increasing.
+    pub(crate) groups: Vec<Vec<u32>>,
     cholesky: Cholesky,
     /// Index in the user's mesh of each node kept.
     kept: Vec<u32>,
@@ -30,7 +33,7 @@ impl<const D: usize> Dofs<D> {
     /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn new(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
-        Self::of_compact(mesh, kept, user_mesh.num_nodes(), Vec::new())
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), Vec::new(), Vec::new())
     }
 
     /// Does what [`new`](Self::new) does, with the nodes of each patch coupled as those of each cell are.
@@ -41,15 +44,33 @@ impl<const D: usize> Dofs<D> {
     pub(crate) fn with_patches(user_mesh: &Mesh) -> Result<Self, SolveError> {
         let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
         let patches = patches(&mesh);
-        Self::of_compact(mesh, kept, user_mesh.num_nodes(), patches)
+        let groups = patches.iter().map(|patch| patch.nodes.clone()).collect();
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), patches, groups)
     }
 
-    fn of_compact(mesh: Mesh, kept: Vec<u32>, num_user_nodes: usize, patches: Vec<Patch>) -> Result<Self, SolveError> {
-        let coupled = mesh.cells().map(|cell| cell.nodes).chain(patches.iter().map(|patch| patch.nodes.as_slice()));
+    /// Does what [`new`](Self::new) does, with the nodes of the cells around each node coupled as those of each cell are.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new).
+    pub(crate) fn with_stars(user_mesh: &Mesh) -> Result<Self, SolveError> {
+        let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
+        let (patches, stars) = (patches(&mesh), stars(&mesh));
+        Self::of_compact(mesh, kept, user_mesh.num_nodes(), patches, stars)
+    }
+
+    fn of_compact(
+        mesh: Mesh,
+        kept: Vec<u32>,
+        num_user_nodes: usize,
+        patches: Vec<Patch>,
+        groups: Vec<Vec<u32>>,
+    ) -> Result<Self, SolveError> {
+        let coupled = mesh.cells().map(|cell| cell.nodes).chain(groups.iter().map(Vec::as_slice));
         let pattern = Pattern::new(mesh.num_nodes(), D, coupled);
         let cholesky =
             Cholesky::new(&pattern, mesh.points()).map_err(|_| SolveError::TooLarge { dofs: pattern.num_dofs() })?;
-        Ok(Self { mesh, pattern, patches, cholesky, kept, num_user_nodes })
+        Ok(Self { mesh, pattern, patches, groups, cholesky, kept, num_user_nodes })
     }
 
     /// Factorises a Hessian, in single precision if `compact`.
@@ -91,14 +112,32 @@ impl<const D: usize> Dofs<D> {
     ///
     /// [`SolveError::Singular`], which names the nodes.
     pub(crate) fn check_texture(&self, is_flat: &[bool], quadrature: &CellQuadrature) -> Result<(), SolveError> {
+        let textured = self.textured(is_flat);
+        let nodes: Vec<usize> = (0..textured.len()).filter(|&node| !textured[node]).collect();
+        if nodes.is_empty() { Ok(()) } else { Err(self.undetermined(nodes, quadrature)) }
+    }
+
+    /// Refuses a mesh with nodes all of whose cells are flat, as given by `is_flat` for each cell, unless `is_continued` says that a
+    /// penalty continues the displacement to the node.
+    ///
+    /// # Errors
+    ///
+    /// [`SolveError::FlatEdge`], which names the nodes.
+    pub(crate) fn check_texture_of_edges(&self, is_flat: &[bool], is_continued: &[bool]) -> Result<(), SolveError> {
+        let textured = self.textured(is_flat);
+        let nodes: Vec<usize> = (0..textured.len()).filter(|&node| !textured[node] && !is_continued[node]).collect();
+        if nodes.is_empty() { Ok(()) } else { Err(SolveError::FlatEdge { nodes: self.user_nodes(nodes) }) }
+    }
+
+    /// Whether each node has a cell that is not flat.
+    fn textured(&self, is_flat: &[bool]) -> Vec<bool> {
         let mut textured = vec![false; self.mesh.num_nodes()];
         for (cell, &flat) in self.mesh.cells().zip(is_flat) {
             if !flat {
                 cell.nodes.iter().for_each(|&node| textured[node as usize] = true);
             }
         }
-        let nodes: Vec<usize> = (0..textured.len()).filter(|&node| !textured[node]).collect();
-        if nodes.is_empty() { Ok(()) } else { Err(self.undetermined(nodes, quadrature)) }
+        textured
     }
 
     /// Refuses a mesh with parts, whose cells share no patch, all of whose cells are flat, as given by `is_flat` for each cell.
@@ -149,6 +188,16 @@ impl<const D: usize> Dofs<D> {
         }
     }
 
+    /// Values at the nodes kept, of one for each node of the user's mesh.
+    pub(crate) fn restrict_by<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.kept.iter().map(|&node| values[node as usize]).collect()
+    }
+
+    /// Number of nodes of the user's mesh.
+    pub(crate) fn num_user_nodes(&self) -> usize {
+        self.num_user_nodes
+    }
+
     /// Restricts a field on the nodes of the user's mesh to the nodes kept.
     ///
     /// # Errors
@@ -177,4 +226,18 @@ impl<const D: usize> Dofs<D> {
     pub(crate) fn extend(&self, field: &[[f64; D]]) -> Vec<[f64; D]> {
         self.extend_by(field, [f64::NAN; D])
     }
+}
+
+/// For each node the nodes of its cells, increasing.
+fn stars(mesh: &Mesh) -> Vec<Vec<u32>> {
+    let mut stars = vec![Vec::new(); mesh.num_nodes()];
+    for cell in mesh.cells() {
+        cell.nodes.iter().for_each(|&node| stars[node as usize].extend_from_slice(cell.nodes));
+    }
+    for star in &mut stars {
+        star.sort_unstable();
+        star.dedup();
+        star.shrink_to_fit();
+    }
+    stars
 }

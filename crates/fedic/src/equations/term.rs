@@ -34,6 +34,11 @@ pub(crate) trait Term<const D: usize> {
         false
     }
 
+    /// Whether the term is a penalty in axes that turn with the mean rotation of the displacement.
+    fn is_corotated(&self) -> bool {
+        false
+    }
+
     /// Length in pixels of an increment at each node, from the displacement that was assembled last. `None` for a term without
     /// image.
     fn pixel_lengths(&mut self, _increment: &[[f64; D]]) -> Option<Vec<f64>> {

@@ -45,6 +45,17 @@ pub enum SolveError {
         /// Nodes of such parts.
         nodes: Vec<usize>,
     },
+    /// Nodes of an edge that is not free have no texture.
+    #[error(
+        "the images do not determine the displacement of {}: no cell there has a texture, and the equilibrium gap continues the \
+         displacement to nodes inside the mesh and at free edges alone; name the edge as free, if no load acts on it, or leave \
+         these cells out of the mesh",
+        list_indices("node", nodes)
+    )]
+    FlatEdge {
+        /// Nodes whose displacement is not determined.
+        nodes: Vec<usize>,
+    },
     /// The images do not determine the parameters of a reduced basis.
     #[error("the images do not determine the {parameters} parameters of the displacement field")]
     UndeterminedParameters {

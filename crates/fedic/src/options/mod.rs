@@ -8,6 +8,8 @@
 mod choice;
 mod correlation;
 mod declare;
+mod elasticity;
+mod equilibrium_gap;
 mod error;
 mod info;
 mod range;
@@ -16,6 +18,8 @@ mod value;
 pub(crate) use choice::choices;
 pub use correlation::{Brightness, Gradient, Hessian, Options, Quadrature, Robust};
 pub(crate) use declare::{declare_options, range};
+pub use elasticity::PlaneStress;
+pub use equilibrium_gap::EquilibriumGap;
 pub use error::OptionError;
 pub use info::OptionInfo;
 pub(crate) use info::{describe, read};

@@ -60,8 +60,13 @@ impl GaussNewton {
             let mut penalised = terms.iter().any(|term| term.is_penalty());
             if penalised && basis.stretch() <= MAX_STRETCH {
                 // The kept Hessian holds the penalty of the reference configuration. However strong it is, a mean gradient changes
-                // neither its null space nor its scale by more than the stretch.
-                basis.average_deformation();
+                // neither its null space nor its scale by more than the stretch. The fields in equilibrium are changed by it, but not
+                // by a rotation.
+                if terms.iter().any(|term| term.is_corotated()) {
+                    basis.average_rotation();
+                } else {
+                    basis.average_deformation();
+                }
                 penalised = false;
             }
             let changed = terms.iter().any(|term| term.needs_hessian());

@@ -11,11 +11,12 @@ use crate::equations::deformation::folded_cells;
 use crate::equations::dofs::Dofs;
 use crate::equations::term::CellAgreement;
 use crate::equations::terms::curvature::Curvature;
+use crate::equations::terms::equilibrium_gap::Gap;
 use crate::equations::terms::image::ImageTerm;
 use crate::equations::terms::image::light::LightSystem;
 use crate::equations::terms::image::robust::CellNeighbours;
 use crate::equations::terms::laplacian::Laplacian;
-use crate::equations::terms::penalty::Penalty;
+use crate::equations::terms::penalty::{Penalty, Rest};
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::observation::material_filter::MaterialFilter;
 use crate::observation::observe::{Observation, ObservationSettings};
@@ -101,6 +102,8 @@ pub(crate) enum Smoothing {
     Gradient { laplacian: Arc<Laplacian>, wavelength: f64 },
     /// On its second derivatives.
     Curvature(Curvature),
+    /// On the internal forces of linear elasticity.
+    Gap(Gap),
 }
 
 impl Smoothing {
@@ -108,6 +111,7 @@ impl Smoothing {
         match self {
             Self::Gradient { laplacian, .. } => &laplacian.matrix,
             Self::Curvature(curvature) => &curvature.matrix,
+            Self::Gap(gap) => &gap.matrix,
         }
     }
 }
@@ -137,21 +141,26 @@ impl<const D: usize> Level<D> {
         let nodes = project_nodes::<D>(mesh, camera, None);
         let subset = stratified_cells(mesh, &nodes);
         let textures = cell_textures(mesh, &observation, &energies, &nodes);
+        let flat = || flat_cells(&energies, &observation);
         match &settings.smoothing {
-            None => dofs.check_texture(&flat_cells(&energies, &observation), &observation.quadrature)?,
-            Some(Smoothing::Curvature(_)) => dofs.check_texture_of_parts(&flat_cells(&energies, &observation))?,
+            None => dofs.check_texture(&flat(), &observation.quadrature)?,
+            Some(Smoothing::Curvature(_)) => dofs.check_texture_of_parts(&flat())?,
+            Some(Smoothing::Gap(gap)) => {
+                dofs.check_texture_of_parts(&flat())?;
+                dofs.check_texture_of_edges(&flat(), &gap.penalised)?;
+            }
             Some(Smoothing::Gradient { .. }) => {}
         }
         let mut penalty = None;
         if let Some(smoothing) = settings.smoothing {
+            let factorize = |system: &SymmetricMatrix| dofs.factorize(system, false, &observation.quadrature);
             let factor = match &smoothing {
                 Smoothing::Gradient { laplacian, wavelength } => {
                     let trace = energies.iter().map(|(trace, _)| trace).sum();
                     laplacian.factor_of_wavelength::<D>(mesh, camera, trace, *wavelength)
                 }
-                Smoothing::Curvature(curvature) => {
-                    curvature.factor(dofs, &hessian, |system| dofs.factorize(system, false, &observation.quadrature))?
-                }
+                Smoothing::Curvature(curvature) => curvature.factor(dofs, &hessian, factorize)?,
+                Smoothing::Gap(gap) => gap.factor(dofs, &hessian, factorize)?,
             };
             hessian.add_scaled(factor, smoothing.matrix());
             penalty = Some((smoothing, factor));
@@ -211,8 +220,12 @@ impl<const D: usize> Level<D> {
             dofs,
             matrix: smoothing.matrix(),
             factor: *factor,
-            // A penalty on the gradient would turn back a rotation that is known already.
-            rest: matches!(smoothing, Smoothing::Gradient { .. }).then(|| rest.to_vec()),
+            rest: match smoothing {
+                // A penalty on the gradient would turn back a rotation that is known already.
+                Smoothing::Gradient { .. } => Rest::Field(rest.to_vec()),
+                Smoothing::Curvature(_) => Rest::Zero,
+                Smoothing::Gap(_) => Rest::MeanRotation,
+            },
         });
         let mut displacement = start;
         let mut rounds = MAX_ROUNDS;

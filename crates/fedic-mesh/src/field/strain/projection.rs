@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::field::gauss::quadrature;
+use crate::field::gauss::gauss_quadrature;
 use crate::isoparametric::{cross, tangents};
 use crate::{MAX_NODES, Mesh, shape_values};
 
@@ -62,7 +62,7 @@ impl<const K: usize> CellShare<K> {
         let (points, num_nodes) = mesh.cell_points_array(cell);
         let cell_type = mesh.cell(cell).cell_type;
         let mut share = Self { cell, mass: [[0.0; MAX_NODES]; MAX_NODES], load: [[0.0; K]; MAX_NODES] };
-        for (at, weight) in quadrature(cell_type.data().domain) {
+        for (at, weight) in gauss_quadrature(cell_type.data().domain) {
             let [x, y, z] = cross(tangents(cell_type, &points[..num_nodes], at));
             let weight = weight * (x * x + y * y + z * z).sqrt();
             let value = value(at);

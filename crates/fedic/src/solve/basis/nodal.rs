@@ -40,6 +40,10 @@ impl<const D: usize> Basis<D> for NodalBasis<'_, D> {
         self.deformation.average();
     }
 
+    fn average_rotation(&mut self) {
+        self.deformation.average_rotation();
+    }
+
     fn equations(&self, with_hessian: bool) -> NormalEquations {
         let pattern = &self.dofs.pattern;
         NormalEquations {

@@ -4,7 +4,7 @@ use fedic_mesh::Mesh;
 use fedic_sparse::{Factor, SpdFactor, SymmetricMatrix};
 
 use super::depth::depths;
-use super::waves::{Waves, in_component};
+use super::waves::Waves;
 use crate::equations::dofs::Dofs;
 use crate::equations::patches::Patch;
 
@@ -47,17 +47,14 @@ impl Probe {
         waves: &Waves,
     ) -> f64 {
         let (mut found, mut given) = (0.0, 0.0);
-        for wave in waves.some() {
-            for c in 0..D {
-                let wave = in_component::<D>(wave, c);
-                let mut solution = hessian.multiply(&dofs.pattern, wave.as_flattened());
-                let inside = wave.iter().zip(&self.inside).flat_map(|(u, &inside)| if inside { *u } else { [0.0; D] });
-                let weights = hessian.multiply(&dofs.pattern, &inside.collect::<Vec<_>>());
-                factor.solve(&mut solution);
-                let product = |field: &[f64]| weights.iter().zip(field).map(|(w, u)| w * u).sum::<f64>();
-                found += product(&solution);
-                given += product(wave.as_flattened());
-            }
+        for wave in waves.some_fields::<D>() {
+            let mut solution = hessian.multiply(&dofs.pattern, wave.as_flattened());
+            let inside = wave.iter().zip(&self.inside).flat_map(|(u, &inside)| if inside { *u } else { [0.0; D] });
+            let weights = hessian.multiply(&dofs.pattern, &inside.collect::<Vec<_>>());
+            factor.solve(&mut solution);
+            let product = |field: &[f64]| weights.iter().zip(field).map(|(w, u)| w * u).sum::<f64>();
+            found += product(&solution);
+            given += product(wave.as_flattened());
         }
         found / given
     }
