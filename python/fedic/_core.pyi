@@ -33,6 +33,7 @@ __all__ = [
     "MeshSet",
     "OptionInfo",
     "Pinhole",
+    "PlaneStress",
     "SelfCalibration",
     "Solution",
     "Speckle",
