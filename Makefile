@@ -7,7 +7,7 @@ CELLS := $(wildcard crates/fedic-mesh/src/cells/*.rs)
 CARGO_TEST := --workspace --exclude fedic-py --exclude fedic-benches
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test test-rust test-python check generate format doc bench findings clean
+.PHONY: help setup build build-dev demo test test-rust test-python check generate format doc bench findings clean
 
 help: ## List the targets.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -15,13 +15,18 @@ help: ## List the targets.
 $(VENV)/.ready: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	MATURIN_PEP517_ARGS='--profile dev' \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
 
 setup: $(VENV)/.ready ## Make the virtual environment and install fedic in it with all its tools.
 
-build: setup ## Compile the extension module into the environment.
+build: setup ## Compile the extension module into the environment, for measurements.
 	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --release --quiet
+
+# Optimised, with checks of overflow, and shares its dependencies with the tests of the crates.
+build-dev: setup ## Compile the extension module into the environment, for tests.
+	VIRTUAL_ENV=$(abspath $(VENV)) $(BIN)/maturin develop --profile dev --quiet
 
 demo: build ## Run the main job: the lens-distortion experiment, with its table and picture in fedic-demo/.
 	$(BIN)/fedic demo
@@ -34,10 +39,10 @@ test-rust:
 	cargo test --quiet $(CARGO_TEST) --doc
 
 # One worker per processor: threads of OpenBLAS would only wait for one another.
-test-python: build
+test-python: build-dev
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-check: build ## Check format, lints, types, stubs and documentation; warnings are errors.
+check: build-dev ## Check format, lints, types, stubs and documentation; warnings are errors.
 	cargo fmt --all --check
 	rustfmt --check --edition 2024 $(CELLS)
 	cargo clippy --quiet --workspace --all-targets -- -D warnings
@@ -49,7 +54,7 @@ check: build ## Check format, lints, types, stubs and documentation; warnings ar
 	$(BIN)/python tools/generate.py --check
 	$(BIN)/python tools/lens_stubs.py --check
 
-generate: build ## Write the files made from the declarations of options and lenses: types, stubs, docs/options.md.
+generate: build-dev ## Write the files made from the declarations of options and lenses: types, stubs, docs/options.md.
 	$(BIN)/python tools/generate.py
 	$(BIN)/python tools/lens_stubs.py
 

@@ -33,6 +33,7 @@ __all__ = [
     "MeshSet",
     "OptionInfo",
     "Pinhole",
+    "PlaneStress",
     "SelfCalibration",
     "Solution",
     "Speckle",
@@ -49,6 +50,7 @@ __version__: str
 INTERPOLATIONS: tuple[str, ...]
 STRAIN_MEASURES: tuple[str, ...]
 
+_Information = tuple[NDArray[np.float64], list[int], list[NDArray[np.float32]]]
 _Image = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.float32]
 
 CELL_TYPES: MappingProxyType[str, CellType]
@@ -360,7 +362,7 @@ class Correlator:
     ) -> Solution: ...
     def residual_map(self, deformed: _Image, displacement: ArrayLike) -> NDArray[np.float32]: ...
     def covariance(
-        self, noise: float, displacement: ArrayLike | None = None, information: ArrayLike | None = None
+        self, noise: float, displacement: ArrayLike | None = None, information: _Information | None = None
     ) -> Covariance: ...
 
 @final
@@ -374,7 +376,7 @@ class Covariance:
 @final
 class Solution:
     @property
-    def information(self) -> NDArray[np.float64] | None: ...
+    def information(self) -> _Information | None: ...
     @property
     def displacement(self) -> NDArray[np.float64]: ...
     @property

@@ -325,8 +325,8 @@ class Correlator:
         - The noise of the reference image adds to its gradient: with a noise of a third of the gradient and no
           smoothing, the scatter is 1.25 times the prediction.
 
-        These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The variances are
-        entries of an inverse found by selected inversion: the cost is that of about six factorisations.
+        These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The variances
+        are entries of an inverse found by selected inversion: the cost is that of about six factorisations.
         """
         nodes = self._core.covariance(noise, displacement).nodes()
         return np.sqrt(np.diagonal(nodes, axis1=1, axis2=2))

@@ -116,12 +116,10 @@ impl Correlator {
         py: Python<'_>,
         noise: f64,
         displacement: Option<&Bound<'_, PyAny>>,
-        information: Option<&Bound<'_, PyAny>>,
+        information: Option<GivenInformation<'_>>,
     ) -> PyResult<Covariance> {
         let field = displacement.map(|field| rows::<2>(field, "displacement", argument_error)).transpose()?;
-        let factors = information.map(|factors| rows::<2>(factors, "information", argument_error)).transpose()?;
-        let information: Option<Vec<Information>> =
-            factors.map(|factors| factors.into_iter().map(|[hessian, noise]| Information { hessian, noise }).collect());
+        let information = information.map(cell_information).transpose()?;
         let inner = run_on(py, Some(self.threads()), None, |monitor| {
             self.inner.covariance(noise, field.as_deref(), information.as_deref(), monitor)
         })?;
@@ -280,12 +278,15 @@ impl Solution {
         named_rows(py, &[("deviation", &quality.deviation), ("conditioning", &quality.conditioning)])
     }
 
-    /// Factors of each cell on the Hessian and on the noise, (num_cells, 2) float64; None if all are one.
+    /// Factors of each cell on the Hessian and on the noise, (num_cells, 2) float64, the cells with robust weights and the weights of
+    /// their quadrature points; None if all are one.
     #[getter]
-    fn information<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let factors =
-            |cells: &Vec<Information>| cells.iter().map(|cell| [cell.hessian, cell.noise]).collect::<Vec<_>>();
-        self.0.information.as_ref().map(|cells| to_array(py, &factors(cells))).transpose()
+    fn information<'py>(&self, py: Python<'py>) -> PyResult<Option<CellInformation<'py>>> {
+        let Some(cells) = &self.0.information else { return Ok(None) };
+        let factors: Vec<[f64; 2]> = cells.iter().map(|cell| [cell.hessian, cell.noise]).collect();
+        let weighed = || cells.iter().enumerate().filter_map(|(index, cell)| Some((index, cell.weights.as_ref()?)));
+        let weights = weighed().map(|(_, weights)| PyArray1::from_slice(py, weights)).collect();
+        Ok(Some((to_array(py, &factors)?, weighed().map(|(index, _)| index).collect(), weights)))
     }
 
     /// Bits of `CELL_FLAGS` of each cell, uint8.
@@ -299,6 +300,25 @@ impl Solution {
     fn node_flags<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_slice(py, &self.0.quality.node_flags)
     }
+}
+
+/// Factors of the cells, cells with robust weights, and their weights.
+type CellInformation<'py> = (Bound<'py, PyArray2<f64>>, Vec<usize>, Vec<Bound<'py, PyArray1<f32>>>);
+
+/// The same as an argument.
+type GivenInformation<'py> = (Bound<'py, PyAny>, Vec<usize>, Vec<Vec<f32>>);
+
+/// What each cell contributes to the covariance, as `Solution.information` gives it.
+fn cell_information((factors, cells, weights): GivenInformation<'_>) -> PyResult<Vec<Information>> {
+    let factors = rows::<2>(&factors, "information", argument_error)?;
+    let full = factors.into_iter().map(|[hessian, noise]| Information { hessian, noise, weights: None });
+    let mut information: Vec<Information> = full.collect();
+    for (cell, weights) in cells.into_iter().zip(weights) {
+        if let Some(cell) = information.get_mut(cell) {
+            cell.weights = Some(weights.into_boxed_slice());
+        }
+    }
+    Ok(information)
 }
 
 fn named_rows<'py>(py: Python<'py>, rows: &[(&str, &Vec<f64>)]) -> PyResult<Bound<'py, PyDict>> {

@@ -3,6 +3,7 @@
 mod arrays;
 mod camera;
 mod cell_type;
+mod connectivity;
 mod correlator;
 mod covariance;
 mod errors;

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyTuple};
 
 use crate::arrays::{self, indices, matrix, rows, to_array};
+use crate::connectivity::{blocks, table};
 use crate::errors::{IntoPyErr, argument_error, mesh_error};
 use crate::mesh_set;
 use crate::strains::{self, StrainQuery};
@@ -94,7 +95,7 @@ impl Mesh {
     #[getter]
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let cells = PyDict::new(py);
-        for (cell_type, connectivity) in self.blocks(None) {
+        for (cell_type, connectivity) in blocks(&self.inner, None) {
             cells.set_item(cell_type.name(), table(py, connectivity, cell_type.num_nodes())?)?;
         }
         Ok(cells)
@@ -349,7 +350,7 @@ impl Mesh {
 
     /// Nodes around the cells: for each type in order, an (m, k) array of node indices, including the nodes of the edges.
     fn outlines<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
-        let blocks = self.blocks(Some(CellType::outline));
+        let blocks = blocks(&self.inner, Some(CellType::outline));
         blocks.into_iter().map(|(cell_type, nodes)| table(py, nodes, cell_type.outline().len())).collect()
     }
 
@@ -463,8 +464,8 @@ impl Mesh {
     }
 
     fn __repr__(&self) -> String {
-        let blocks = self.blocks(None);
-        let counts: Vec<String> = blocks.iter().map(|(t, c)| format!("{} {t}", c.len() / t.num_nodes())).collect();
+        let counts = blocks(&self.inner, None).into_iter().map(|(t, c)| format!("{} {t}", c.len() / t.num_nodes()));
+        let counts: Vec<String> = counts.collect();
         format!("Mesh({} nodes, {})", self.inner.num_nodes(), counts.join(", "))
     }
 }
@@ -483,31 +484,9 @@ impl Mesh {
         Ok(vectors)
     }
 
-    /// Node indices by type, in the order of the cells; `local` selects and orders the nodes of a cell.
-    fn blocks(&self, local: Option<fn(CellType) -> &'static [usize]>) -> Vec<(CellType, Vec<i64>)> {
-        let mut blocks: Vec<(CellType, Vec<i64>)> = Vec::new();
-        for cell in self.inner.cells() {
-            if blocks.last().is_none_or(|(cell_type, _)| *cell_type != cell.cell_type) {
-                blocks.push((cell.cell_type, Vec::new()));
-            }
-            if let Some((_, nodes)) = blocks.last_mut() {
-                match local {
-                    Some(local) => nodes.extend(local(cell.cell_type).iter().map(|&a| i64::from(cell.nodes[a]))),
-                    None => nodes.extend(cell.nodes.iter().map(|&node| i64::from(node))),
-                }
-            }
-        }
-        blocks
-    }
-
     fn check_nodal(&self, name: &str, found: usize) -> PyResult<()> {
         let expected = self.inner.num_nodes();
         let message = || format!("{name} must have one row per node of the mesh: {expected}, got {found}");
         if found == expected { Ok(()) } else { Err(argument_error(message())) }
     }
-}
-
-fn table(py: Python<'_>, numbers: Vec<i64>, width: usize) -> PyResult<Bound<'_, PyArray2<i64>>> {
-    let height = numbers.len() / width;
-    PyArray::from_vec(py, numbers).reshape([height, width])
 }

@@ -41,6 +41,10 @@ const COMPACT_DOFS: usize = 10_000;
 /// Largest image, in pixels, whose buffer is kept for the next frame. Larger buffers are returned to the system between frames.
 const MAX_KEPT_PIXELS: usize = 1 << 24;
 
+/// Distance from a cut of the mesh, in standard deviations of the smoothing, and at the least in pixels, up to which points are left out.
+const CUT_MARGIN: f64 = 2.5;
+const MIN_CUT_MARGIN: f64 = 2.0;
+
 /// Memory of each node at the least, in bytes: of the mesh, the matrix, its factor and the sums. With the points 1800 are usual.
 const BYTES_PER_NODE: usize = 1024;
 
@@ -175,6 +179,8 @@ impl Correlator {
                     size,
                     require_full_coverage: true,
                     mask: mask.clone(),
+                    // Robust weights leave out what a crack opens, and no more.
+                    cut_margin: options.robust.is_none().then(|| (CUT_MARGIN * options.smoothing).max(MIN_CUT_MARGIN)),
                     saturation: saturation_of(view),
                 },
                 // A penalty makes the system ill-conditioned whatever its pivots are.

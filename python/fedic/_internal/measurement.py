@@ -53,7 +53,7 @@ class Measurement:
         deformed = self.deformed.read()
         return self._prepared().residual_map(deformed, displacement)
 
-    def covariance(self, noise: float, displacement: Floats, information: Floats | None) -> _core.Covariance:
+    def covariance(self, noise: float, displacement: Floats, information: Any) -> _core.Covariance:
         """Return the covariance of the displacement for a noise of the images, near a displacement."""
         return self._prepared().covariance(noise, displacement, information)
 

@@ -51,4 +51,5 @@ def strain_deviations(
     of_gradients = correlator.covariance(noise).cell_gradients()
     derivative = strain_derivative(np.zeros((1, 4)), "small")[0]
     variances = np.einsum("si,cij,sj->cs", derivative, of_gradients, derivative)
-    return np.sqrt(np.maximum(variances, 0.0))
+    deviations: Floats = np.sqrt(np.maximum(variances, 0.0))
+    return deviations

@@ -15,9 +15,7 @@ _STEP = 1e-6
 """Step of the central differences of the Hencky strain."""
 
 
-def displacement_gradients(
-    mesh: Mesh, displacement: Floats, at: Literal["cells"] | ArrayLike = "cells"
-) -> Floats:
+def displacement_gradients(mesh: Mesh, displacement: Floats, at: Literal["cells"] | ArrayLike = "cells") -> Floats:
     """Return the displacement gradient at the centres of the cells or at points.
 
     Parameters
@@ -57,7 +55,7 @@ def strain_derivative(gradients: Floats, measure: StrainMeasure) -> Floats:
     """
     derivative = np.zeros((len(gradients), 3, 4))
     if measure == "small":
-        derivative[:] = [[1, 0, 0, 0], [0, 0, 0, 1], [0, 0.5, 0.5, 0]]
+        derivative[:] = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.5, 0.0]])
     elif measure == "green-lagrange":
         ux, uy, vx, vy = gradients.T
         derivative[:, 0, 0], derivative[:, 0, 2] = 1 + ux, vx

@@ -20,9 +20,10 @@ _UNCERTAIN_SHARE = 0.01
 class Quality:
     """What the images tell of the error of a result.
 
-    A cell with the flag ``"few-points"``, ``"uncorrelated"``, ``"weak-texture"``, ``"folded"`` or ``"damaged"`` is not valid; one with
-    another flag is doubtful. A node without any valid cell is not measured: its displacement is NaN. Other nodes with a
-    flag keep their displacement, which is doubtful. `flags` gives the reason for each flag, docs/verdict.md the rules.
+    A cell with the flag ``"few-points"``, ``"uncorrelated"``, ``"weak-texture"``, ``"folded"`` or ``"damaged"`` is not
+    valid; one with another flag is doubtful. A node without any valid cell is not measured: its displacement is NaN.
+    Other nodes with a flag keep their displacement, which is doubtful. `flags` gives the reason for each flag,
+    docs/verdict.md the rules.
 
     Attributes
     ----------

@@ -89,12 +89,9 @@ class Result:
     start : str
         The start that led here: ``"zero"``, ``"pyramid"``, ``"fft"``, ``"features"``, ``"log-polar"``, ``"flow"``,
         ``"given"``, or one of these followed by ``"+pyramid"``.
-    information : ndarray of float, shape (num_cells, 2), or None
-        Factors of each cell on the Hessian and on the noise of the covariance: less than one where points are not used
-        or robust weights are at work. None if all are one.
-    information : ndarray of float, shape (num_cells, 2), or None
-        Factors of each cell on the Hessian and on the noise of the covariance: less than one where points are not used
-        or robust weights are at work. None if all are one.
+    information : tuple or None
+        What each cell contributes to the covariance: its factors on the Hessian and on the noise, shape (num_cells, 2),
+        the cells with robust weights, and the weights of their quadrature points. None if everything is one.
     attempts : tuple of Attempt
         What each start led to that ``"auto"`` tried; that of this result is the last.
     unit : str
@@ -116,7 +113,7 @@ class Result:
     unchecked_displacement: Floats
     quality: Quality
     start: str
-    information: Floats | None = field(default=None, repr=False)
+    information: tuple[Floats, list[int], list[NDArray[np.float32]]] | None = field(default=None, repr=False)
     attempts: tuple[Attempt, ...] = ()
     unit: str = ""
     _measurement: Measurement | None = field(default=None, repr=False)

@@ -1,4 +1,4 @@
-//! Supernodal structure of the factor: columns, rows and elimination tree.
+//! Supernodal structure of the factor: columns, rows, elimination tree, and places of the matrix entries.
 
 use std::ops::Range;
 
@@ -24,8 +24,8 @@ pub(crate) struct Structure {
     rows: Vec<u32>,
     /// Parent of each supernode, the one that holds its first row below, or [`NONE`].
     pub(crate) parent: Vec<u32>,
-    pub(super) entry_starts: Vec<u32>,
-    pub(super) entries: Vec<Entry>,
+    entry_starts: Vec<u32>,
+    entries: Vec<Entry>,
 }
 
 impl Structure {
@@ -106,6 +106,42 @@ impl Structure {
         children
     }
 
+    /// Number of entries of the lower triangle of the matrix.
+    pub(crate) fn num_entries(&self) -> usize {
+        let (d, nodes) = (self.block, self.order.len());
+        self.entries.len() * d * d - nodes * (d * (d - 1) / 2)
+    }
+
+    /// Calls `treat(position, source)` for every entry of the matrix in the columns of a supernode: its position in the dense columns,
+    /// of all rows, and that among the values of the matrix.
+    #[inline]
+    pub(crate) fn for_each_entry(&self, supernode: usize, mut treat: impl FnMut(usize, usize)) {
+        let rows = self.shape(supernode).rows;
+        for (local, node) in self.columns(supernode).enumerate() {
+            for entry in self.entries(node) {
+                entry.for_each(local, self.block, |i, j, source| treat(j * rows + i, source));
+            }
+        }
+    }
+
+    /// Diagonal of a matrix, in the order of the degrees of freedom.
+    pub(crate) fn diagonal(&self, values: &[f64]) -> Vec<f64> {
+        let mut diagonal = vec![0.0; self.num_dofs()];
+        for supernode in 0..self.num_supernodes() {
+            for (local, node) in (0..).zip(self.columns(supernode)) {
+                for entry in self.entries(node).iter().filter(|entry| entry.row == local) {
+                    self.dofs(node).enumerate().for_each(|(j, dof)| diagonal[dof] = values[entry.source(j, j)]);
+                }
+            }
+        }
+        diagonal
+    }
+
+    /// Blocks of the matrix in the column of a node.
+    fn entries(&self, node: u32) -> &[Entry] {
+        &self.entries[self.entry_starts[node as usize] as usize..self.entry_starts[node as usize + 1] as usize]
+    }
+
     /// Finds the rows below each supernode, those of its children and of its own nodes' neighbours, and its parent.
     fn find_rows(&mut self, graph: &Graph) {
         let inverse = inverse(&self.order);
@@ -147,5 +183,26 @@ impl Structure {
             }
         }
         self.rows.shrink_to_fit();
+    }
+
+    /// Finds the blocks of the matrix in each column: on and below the diagonal in the order of elimination.
+    fn find_entries(&mut self, pattern: &Pattern, graph: &Graph) {
+        let inverse = inverse(&self.order);
+        let mut local = vec![0_u32; self.order.len()];
+        self.entry_starts.push(0);
+        for supernode in 0..self.num_supernodes() {
+            let columns = self.columns(supernode);
+            let rows = self.rows(supernode).iter().copied();
+            columns.clone().chain(rows).zip(0..).for_each(|(row, at)| local[row as usize] = at);
+            for node in columns {
+                let own = self.order[node as usize];
+                let neighbours = graph.neighbours(own).iter().copied().chain([own]);
+                for other in neighbours.filter(|&other| inverse[other as usize] >= node) {
+                    let row = local[inverse[other as usize] as usize];
+                    self.entries.push(Entry::new(pattern, row, [own, other]));
+                }
+                self.entry_starts.push(self.entries.len() as u32);
+            }
+        }
     }
 }

@@ -176,9 +176,9 @@ pub fn solution_error(factor: &impl SpdFactor, matrix: &SymmetricMatrix, pattern
     single.iter().zip(&x).map(|(a, b)| (a - b).abs()).fold(several, f64::max)
 }
 
-/// Solution by a dense Cholesky factorization without any reordering.
-pub fn dense_solution(mut a: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
-    let n = x.len();
+/// Solutions of right-hand sides, one after the other, by a dense Cholesky factorization without any reordering.
+pub fn dense_solution(mut a: Vec<f64>, mut sides: Vec<f64>) -> Vec<f64> {
+    let n = a.len().isqrt();
     for j in 0..n {
         for k in 0..j {
             (j..n).for_each(|i| a[i * n + j] -= a[i * n + k] * a[j * n + k]);
@@ -186,15 +186,17 @@ pub fn dense_solution(mut a: Vec<f64>, mut x: Vec<f64>) -> Vec<f64> {
         let pivot = a[j * n + j].sqrt();
         (j..n).for_each(|i| a[i * n + j] /= pivot);
     }
-    for i in 0..n {
-        (0..i).for_each(|j| x[i] -= a[i * n + j] * x[j]);
-        x[i] /= a[i * n + i];
+    for x in sides.chunks_exact_mut(n) {
+        for i in 0..n {
+            (0..i).for_each(|j| x[i] -= a[i * n + j] * x[j]);
+            x[i] /= a[i * n + i];
+        }
+        for i in (0..n).rev() {
+            (i + 1..n).for_each(|j| x[i] -= a[j * n + i] * x[j]);
+            x[i] /= a[i * n + i];
+        }
     }
-    for i in (0..n).rev() {
-        (i + 1..n).for_each(|j| x[i] -= a[j * n + i] * x[j]);
-        x[i] /= a[i * n + i];
-    }
-    x
+    sides
 }
 
 /// Runs with this number of threads.

@@ -66,6 +66,8 @@ pub(crate) struct WeighedCell {
     pub(crate) slope: f64,
     /// Mean square of the weighed residual, in squared grey levels.
     pub(crate) power: f64,
+    /// Mean square of the weights.
+    pub(crate) squared: f64,
 }
 
 /// Agreement of the two images over a cell.

@@ -15,6 +15,7 @@ use crate::observation::reference_samples::ReferenceSamples;
 use crate::observation::weights::cell_weights;
 use crate::observation::workspace::Workspace;
 use crate::parallel::for_each_in_order;
+use crate::projection::cell_edges::CellEdges;
 use crate::projection::projected_points::project_nodes;
 use crate::quadrature::cell_quadrature::CellQuadrature;
 use crate::{Error, Monitor, Quadrature, SolveError};
@@ -50,6 +51,9 @@ pub(crate) struct ObservationSettings {
     pub(crate) require_full_coverage: bool,
     /// Pixels whose points get no weight.
     pub(crate) mask: Option<Arc<PixelMask>>,
+    /// Distance in pixels from a cut of the mesh up to which points get no weight; `None` for no distance. What opens there is seen by
+    /// the smoothing and the interpolation of the deformed image.
+    pub(crate) cut_margin: Option<f64>,
     /// Full scale of the grey levels and saturated pixels, if there are any: points among them get no weight.
     pub(crate) saturation: Option<(f32, PixelMask)>,
 }
@@ -84,7 +88,9 @@ impl<const D: usize> Observation<D> {
         let mask = settings.mask.as_deref();
         let saturation = settings.saturation.as_ref();
         let masks = || mask.into_iter().chain(saturation.map(|(_, pixels)| pixels));
-        let masked = |cell| masks().any(|mask| touches_cell(mask, mesh.cell(cell).nodes, &nodes));
+        let cuts = settings.cut_margin.map(|margin| (CellEdges::cuts(mesh, &nodes), margin));
+        let is_cut = |cell| cuts.as_ref().is_some_and(|(cuts, _)| cuts.has(cell));
+        let masked = |cell| is_cut(cell) || masks().any(|mask| touches_cell(mask, mesh.cell(cell).nodes, &nodes));
         let weights = cell_weights(mesh, &quadrature, |cell| !settings.require_full_coverage || masked(cell));
         let mut samples =
             ReferenceSamples::zeros(&quadrature, &weights).ok_or(SolveError::TooManyPoints { points: num_points })?;
@@ -98,6 +104,7 @@ impl<const D: usize> Observation<D> {
             grey_origin,
             mask,
             saturation,
+            cuts: cuts.as_ref(),
         };
         let (mut moments, mut total) = (Vec::with_capacity(mesh.num_cells()), Moments::default());
         let (mut outside, mut jacobians) = (Vec::new(), Vec::with_capacity(mesh.num_cells()));

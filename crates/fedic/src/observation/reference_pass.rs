@@ -16,6 +16,7 @@ use crate::observation::reference_samples::CellSamplesMut;
 use crate::observation::used_points::{is_too_few, saturated_from};
 use crate::observation::weights::fill_weights;
 use crate::observation::workspace::Workspace;
+use crate::projection::cell_edges::CellEdges;
 use crate::projection::polynomial_basis::PolynomialBasis;
 use crate::projection::projected_points::{ProjectedPoint, pixel_bounds};
 use crate::quadrature::cell_quadrature::CellQuadrature;
@@ -36,6 +37,8 @@ pub(crate) struct ReferencePass<'a> {
     pub(crate) mask: Option<&'a PixelMask>,
     /// Full scale and saturated pixels, whose points get no weight.
     pub(crate) saturation: Option<&'a (f32, PixelMask)>,
+    /// Cuts of the mesh, and the distance from them up to which points get no weight.
+    pub(crate) cuts: Option<&'a (CellEdges, f64)>,
 }
 
 /// Sums over the points of a cell.
@@ -89,6 +92,16 @@ impl ReferencePass<'_> {
         let mask = self.mask.filter(|mask| touches(mask));
         let saturation = self.saturation.filter(|(_, pixels)| touches(pixels));
         let saturated = saturation.map(|&(full_scale, _)| saturated_from(full_scale));
+        let cuts = self.cuts.filter(|(cuts, _)| cuts.has(context.cell));
+        let clear_cut = |value: &mut [f32], at: &dyn Fn(usize) -> (f64, f64)| {
+            let Some((cuts, margin)) = cuts else { return };
+            for (k, value) in value.iter_mut().enumerate() {
+                let (u, v) = at(k);
+                if cuts.distances(context.cell, [u, v]).any(|distance| distance < *margin) {
+                    *value = f32::INFINITY;
+                }
+            }
+        };
         context.for_each_projection(projector, |image_points, points| {
             let gradient = [&mut along_u[points.clone()], &mut along_v[points.clone()]];
             let value = &mut value[points.clone()];
@@ -98,11 +111,13 @@ impl ReferencePass<'_> {
                     let [column, row] = origin.map(|c| c as f64);
                     let at = |k: usize| (column + f64::from(u[k]), row + f64::from(v[k]));
                     mark(value, mask, saturated, at);
+                    clear_cut(value, &at);
                 }
                 ImagePoints::Exact(batch) => {
                     let [u, v] = batch.pixels();
                     self.image.values_and_gradients(u, v, value, gradient);
                     mark(value, mask, saturated, |k| (u[k], v[k]));
+                    clear_cut(value, &|k| (u[k], v[k]));
                     exact_sensitivity(batch, points, |k| [along_u[k], along_v[k]], q);
                 }
             }

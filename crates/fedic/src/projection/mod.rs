@@ -2,6 +2,7 @@
 //!
 //! May import: quadrature, kernels.
 
+pub(crate) mod cell_edges;
 pub(crate) mod cell_polynomial;
 pub(crate) mod cell_projection;
 pub(crate) mod pointwise;

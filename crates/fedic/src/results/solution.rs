@@ -17,12 +17,14 @@ pub struct Iteration {
 }
 
 /// What a cell contributes to the covariance of the displacement, relative to that of all its points without robust weights.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Information {
     /// Factor on its share of the Hessian.
     pub hessian: f64,
     /// Factor on the covariance of its right-hand side.
     pub noise: f64,
+    /// Weight of each quadrature point; `None` if all are one.
+    pub weights: Option<Box<[f32]>>,
 }
 
 /// The displacement field and how it was reached.

@@ -68,20 +68,24 @@ impl Judged<'_> {
     pub(crate) fn information(&self, quality: &Quality) -> Option<Vec<Information>> {
         let averaged = pixels_averaged(self.smoothing);
         let variance = 2.0 * quality.noise * quality.noise / averaged;
-        let of_cell = |cell: &CellAgreement| {
+        let of_cell = |(index, cell): (usize, &CellAgreement)| {
             if cell.is_dropped || cell.used.is_nan() || cell.used <= 0.0 {
-                return Information { hessian: 0.0, noise: 0.0 };
+                return Information { hessian: 0.0, noise: 0.0, weights: None };
             }
             let used = cell.used.min(1.0);
-            match cell.weighed {
-                None => Information { hessian: used, noise: used },
-                Some(WeighedCell { slope, power, .. }) => {
-                    Information { hessian: used * slope.max(MIN_SLOPE), noise: used * power / variance }
-                }
+            let weights = self.solution.point_weights.get(index).cloned().flatten();
+            match cell.weighed.filter(|weighed| weighed.kept > 0.0 && weights.is_some()) {
+                None => Information { hessian: used, noise: used, weights: None },
+                Some(WeighedCell { kept, slope, power, squared }) => Information {
+                    hessian: used * slope.max(MIN_SLOPE) / kept,
+                    noise: used * power / (variance * squared),
+                    weights,
+                },
             }
         };
-        let all: Vec<Information> = self.cells.iter().map(of_cell).collect();
-        all.iter().any(|cell| *cell != Information { hessian: 1.0, noise: 1.0 }).then_some(all)
+        let all: Vec<Information> = self.cells.iter().enumerate().map(of_cell).collect();
+        let full = Information { hessian: 1.0, noise: 1.0, weights: None };
+        all.iter().any(|cell| *cell != full).then_some(all)
     }
 
     fn cell_flags(&self, folded: &[bool], variance: f64, averaged: f64) -> Vec<u8> {

@@ -32,9 +32,15 @@ use crate::{Brightness, Error, Monitor, Robust};
 /// Gradients below this fraction of those of the best cells count as none.
 const FLAT_GRADIENT: f64 = 1e-3;
 /// Largest number of times that a frame is measured, each without the cells found to be damaged before.
-const MAX_ROUNDS: usize = 4;
+const MAX_ROUNDS: usize = 5;
+/// Number of rounds at the end before which doubtful cells are left out together with the damaged ones.
+const ROUNDS_WITH_DOUBTFUL: usize = 2;
 /// Increment in pixels, at the end of iterations that did not converge, of a node that does not come to rest.
-const RESTLESS: f64 = 0.01;
+const RESTLESS: f64 = 0.02;
+/// Largest share of such nodes for which something is damaged.
+const RESTLESS_SHARE: f64 = 0.05;
+/// Residual of a doubtful cell, without its own gain and offset, relative to the median.
+const LARGE_SCATTER: f64 = 2.0;
 
 /// A level of the pyramid; level 0 is the image at full resolution.
 pub(crate) struct Level<const D: usize> {
@@ -76,6 +82,8 @@ pub(crate) struct LevelSolution<const D: usize> {
     pub(crate) outcome: Outcome<D>,
     /// Block of each node on the diagonal of the Hessian over the points used last.
     pub(crate) node_blocks: Vec<[[f64; D]; D]>,
+    /// Robust weights of the points of each cell; absent in cells without outliers, empty without such weights.
+    pub(crate) point_weights: Vec<Option<Box<[f32]>>>,
 }
 
 /// How a level is made.
@@ -220,17 +228,29 @@ impl<const D: usize> Level<D> {
             },
         });
         let mut displacement = start;
-        let mut round = 0;
+        let mut rounds = MAX_ROUNDS;
         loop {
-            round += 1;
+            rounds -= 1;
             let outcome = match &mut penalty {
                 Some(penalty) => iterations.run(&mut [&mut image, penalty], &mut basis, displacement, history, monitor),
                 None => iterations.run(&mut [&mut image], &mut basis, displacement, history, monitor),
             };
             let outcome = outcome.map_err(|error| dofs.in_user_nodes(error))?;
-            let damaged = images.robust.map(|robust| damaged_cells(robust, &dofs.mesh, &outcome)).unwrap_or_default();
-            if round == MAX_ROUNDS || !image.drop_cells(damaged) {
-                return Ok(LevelSolution { outcome, node_blocks: image.node_blocks().to_vec() });
+            let again = rounds > 0
+                && images.robust.is_some_and(|robust| {
+                    let damaged = damaged_cells(robust, &dofs.mesh, &outcome);
+                    let doubtful = doubtful_cells(&damaged, &dofs.mesh, &outcome);
+                    let found = image.drop_cells(indices(&damaged));
+                    // Many doubtful cells are good once the damaged ones are left out.
+                    if found && rounds > ROUNDS_WITH_DOUBTFUL {
+                        found
+                    } else {
+                        image.drop_cells(indices(&doubtful)) || found
+                    }
+                });
+            if !again {
+                let node_blocks = image.node_blocks().to_vec();
+                return Ok(LevelSolution { outcome, node_blocks, point_weights: image.into_weights() });
             }
             displacement = outcome.displacement;
         }
@@ -265,19 +285,39 @@ impl<const D: usize> Level<D> {
     }
 }
 
-/// Cells that are damaged: most of their points are outliers, they do not correlate, they are folded, or a node of theirs does not
-/// come to rest.
-fn damaged_cells<const D: usize>(robust: Robust, mesh: &Mesh, outcome: &Outcome<D>) -> Vec<usize> {
+/// Cells that are damaged: most of their points are outliers, they do not correlate, or they are folded.
+fn damaged_cells<const D: usize>(robust: Robust, mesh: &Mesh, outcome: &Outcome<D>) -> Vec<bool> {
     let folded = folded_cells(mesh, &outcome.displacement);
-    let is_restless = |&node: &u32| !outcome.converged && outcome.increments[node as usize] > RESTLESS;
-    let is_damaged = |index: usize, cell: &CellAgreement| {
-        cell.kept() < robust.min_kept()
-            || cell.correlation < MIN_CORRELATION
-            || folded[index]
-            || mesh.cell(index).nodes.iter().any(is_restless)
+    let is_damaged = |(cell, folded): (&CellAgreement, bool)| {
+        let of_weights = cell.is_dropped || cell.kept() < robust.min_kept();
+        of_weights || cell.correlation < MIN_CORRELATION || folded
     };
-    let cells = outcome.reports.iter().flat_map(|report| report.cells.iter().enumerate());
-    cells.filter(|&(index, cell)| is_damaged(index, cell)).map(|(index, _)| index).collect()
+    let cells = outcome.reports.iter().flat_map(|report| &report.cells);
+    cells.zip(folded).map(is_damaged).collect()
+}
+
+/// Cells with a large residual beside damaged ones, or beside nodes that do not come to rest.
+fn doubtful_cells<const D: usize>(damaged: &[bool], mesh: &Mesh, outcome: &Outcome<D>) -> Vec<bool> {
+    let cells = || outcome.reports.iter().flat_map(|report| &report.cells);
+    let mut scatter: Vec<f64> = cells().map(|cell| cell.scatter).filter(|scatter| !scatter.is_nan()).collect();
+    scatter.sort_unstable_by(f64::total_cmp);
+    let large = LARGE_SCATTER * scatter.get(scatter.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let is_restless = |&increment: &f64| !outcome.converged && increment > RESTLESS;
+    let mut beside: Vec<bool> = outcome.increments.iter().map(is_restless).collect();
+    // Many nodes move where the start was too far off, not where something is damaged.
+    if beside.iter().filter(|&&restless| restless).count() as f64 > RESTLESS_SHARE * beside.len() as f64 {
+        beside.fill(false);
+    }
+    for cell in indices(damaged) {
+        mesh.cell(cell).nodes.iter().for_each(|&node| beside[node as usize] = true);
+    }
+    let is_beside = |cell: usize| mesh.cell(cell).nodes.iter().any(|&node| beside[node as usize]);
+    cells().enumerate().map(|(index, cell)| cell.scatter > large && is_beside(index)).collect()
+}
+
+/// Indices of the true entries.
+fn indices(entries: &[bool]) -> impl Iterator<Item = usize> {
+    entries.iter().enumerate().filter(|(_, entry)| **entry).map(|(index, _)| index)
 }
 
 /// Area and texture of each cell, from the trace of its Hessian and its weight.

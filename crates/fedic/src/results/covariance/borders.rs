@@ -6,6 +6,7 @@
 
 use fedic_mesh::Mesh;
 
+use crate::projection::cell_edges::CellEdges;
 use crate::projection::projected_points::ProjectedPoint;
 
 /// `1 - 2 x D(x)`, relative to the energy `exp(-x^2)` that passes the smoothing, for speckle about five pixels wide smoothed by 0.8
@@ -14,47 +15,23 @@ const STRIP: f64 = 0.74;
 /// Distance from the border, in standard deviations of the smoothing, up to which the noise is less.
 const REACH: f64 = 4.0;
 
-/// Edges of cells on the border of the mesh, in pixels.
+/// Edges on the border of the mesh, and the smoothing.
 pub(super) struct Borders {
-    /// Both ends of the edges of each cell; empty without a smoothing.
-    edges: Vec<Vec<[[f64; 2]; 2]>>,
+    edges: CellEdges,
     smoothing: f64,
 }
 
 impl Borders {
-    /// Edges of the cells of a mesh that no other cell shares. `nodes` are its projected nodes.
+    /// Edges of a mesh with these projected nodes; none without a smoothing.
     pub(super) fn new(mesh: &Mesh, nodes: &[ProjectedPoint], smoothing: f64) -> Self {
-        if smoothing == 0.0 {
-            return Self { edges: Vec::new(), smoothing };
-        }
-        let mut all: Vec<([u32; 2], usize, [u32; 2])> = Vec::new();
-        for (index, cell) in mesh.cells().enumerate() {
-            let outline = cell.cell_type.outline();
-            for (k, &from) in outline.iter().enumerate() {
-                let [a, b] = [from, outline[(k + 1) % outline.len()]].map(|local| cell.nodes[local]);
-                all.push(([a.min(b), a.max(b)], index, [a, b]));
-            }
-        }
-        all.sort_unstable();
-        let mut edges = vec![Vec::new(); mesh.num_cells()];
-        for same in all.chunk_by(|a, b| a.0 == b.0) {
-            if let [(_, cell, ends)] = same {
-                edges[*cell].push(ends.map(|node| nodes[node as usize].pixel));
-            }
-        }
+        let edges = if smoothing > 0.0 { CellEdges::borders(mesh, nodes) } else { CellEdges::default() };
         Self { edges, smoothing }
     }
 
     /// Variance of the noise gathered at an image point of a cell, relative to that far from the border.
     pub(super) fn factor(&self, cell: usize, point: [f64; 2]) -> f64 {
-        let Some(edges) = self.edges.get(cell) else { return 1.0 };
-        let factor = |[a, b]: &[[f64; 2]; 2]| {
-            let [along, from] = [[b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]];
-            let length = along[0].hypot(along[1]);
-            let distance = ((along[0] * from[1] - along[1] * from[0]) / length).abs() / self.smoothing;
-            if distance < REACH { 1.0 - STRIP * strip(distance) } else { 1.0 }
-        };
-        edges.iter().map(factor).product()
+        let distances = self.edges.distances(cell, point).map(|distance| distance / self.smoothing);
+        distances.filter(|&distance| distance < REACH).map(|distance| 1.0 - STRIP * strip(distance)).product()
     }
 }
 

@@ -86,10 +86,15 @@ impl<const D: usize> NoisePass<'_, D> {
         let noise = self.cell_covariance(workspace, cell, nodes);
         let mut both = [hessian, noise];
         if let Some(information) = self.information {
-            let Information { hessian, noise } = information[cell];
-            both.iter_mut().zip([hessian, noise]).for_each(|(matrix, factor)| matrix.scale(factor));
+            let Information { hessian, noise, .. } = &information[cell];
+            both.iter_mut().zip([*hessian, *noise]).for_each(|(matrix, factor)| matrix.scale(factor));
         }
         both
+    }
+
+    /// Robust weights of the points of a cell, if they are not one.
+    fn robust_weights(&self, cell: usize) -> Option<&[f32]> {
+        self.information?[cell].weights.as_deref()
     }
 
     fn cell_hessian(&self, workspace: &mut Workspace<D>, cell: usize, nodes: &[ProjectedPoint]) -> CellMatrix<D> {
@@ -104,6 +109,7 @@ impl<const D: usize> NoisePass<'_, D> {
             observation.exact_sensitivities(mesh, workspace, cell);
         }
         let samples = observation.samples.cell(cell);
+        let robust = self.robust_weights(cell);
         let Workspace { projector, points: buffers, .. } = workspace;
         let mut matrix = CellMatrix::zeros(cell_type.num_nodes());
         context.for_each_chunk(&mut projector.shapes, |chunk, points| {
@@ -111,7 +117,13 @@ impl<const D: usize> NoisePass<'_, D> {
                 let q = buffers.q.each_mut().map(|q| &mut q[points.clone()]);
                 linear_sensitivity(chunk, jacobian, samples.step, samples.gradient.part(points.clone()), q);
             }
-            let weights = samples.weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
+            let mut weights = samples.weights.map_or(chunk.ones(), |weights| &weights[points.clone()]);
+            if let Some(robust) = robust {
+                let own = &mut buffers.weights[points.clone()];
+                own.copy_from_slice(weights);
+                own.iter_mut().zip(&robust[points.start..]).for_each(|(own, weight)| *own *= weight);
+                weights = own;
+            }
             matrix.add(chunk, buffers.q.each_ref().map(|q| &q[points.clone()]), weights);
         });
         matrix.scale(samples.scale);
@@ -129,6 +141,7 @@ impl<const D: usize> NoisePass<'_, D> {
         let Workspace { projector, points: buffers, .. } = workspace;
         buffers.resize(context.count());
         let (h, weights) = (&mut buffers.q, &mut buffers.weights);
+        let robust = self.robust_weights(cell);
         let (mut value, mut along_u, mut along_v) = ([0.0; BATCH], [0.0; BATCH], [0.0; BATCH]);
         context.for_each_exact_projection(projector, |batch, points| {
             let n = points.len();
@@ -144,7 +157,8 @@ impl<const D: usize> NoisePass<'_, D> {
                 // The noise of the deformed image is that of as many more pixels as the cell has grown.
                 let noise = 0.5 * (1.0 + 1.0 / self.area_ratios[cell]);
                 let border = self.borders.factor(cell, [u[k], v[k]]);
-                let own = noise * border * samples.weight(point).powi(2);
+                let robust = robust.map_or(1.0, |weights| f64::from(weights[point]));
+                let own = noise * border * (robust * samples.weight(point)).powi(2);
                 weights[point] = (own / pixels.min(self.pixels_averaged)) as f32;
             }
             let first = points.start;

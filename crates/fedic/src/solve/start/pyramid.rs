@@ -68,6 +68,7 @@ impl<const D: usize> Pyramid<D> {
                     size: [image.width(), image.height()],
                     require_full_coverage: false,
                     mask: mask.clone(),
+                    cut_margin: None,
                     saturation: None,
                 },
                 smoothing: Some(Smoothing::Gradient { laplacian: Arc::clone(laplacian), wavelength: WAVELENGTH }),

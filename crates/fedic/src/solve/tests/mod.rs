@@ -24,6 +24,7 @@ fn observation_settings(image: &Image) -> ObservationSettings {
         size: [image.width(), image.height()],
         require_full_coverage: true,
         mask: None,
+        cut_margin: None,
         saturation: None,
     }
 }

@@ -79,6 +79,11 @@ impl<'a> Adaptive<'a> {
         Self { light, robust, kept: 1.0, kept_in_hessian: 1.0, ..Self::default() }
     }
 
+    /// Robust weights of the points of all cells as found last; absent in cells without outliers.
+    pub(crate) fn into_weights(self) -> Vec<Option<Box<[f32]>>> {
+        self.robust.map(RobustWeights::into_weights).unwrap_or_default()
+    }
+
     /// Whether there is neither light nor weights to be found.
     pub(crate) fn is_empty(&self) -> bool {
         self.light.is_none() && self.robust.is_none()

@@ -152,6 +152,11 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         &self.adaptive
     }
 
+    /// Robust weights of the points of all cells as found last; absent in cells without outliers.
+    pub(crate) fn into_weights(self) -> Vec<Option<Box<[f32]>>> {
+        self.adaptive.into_weights()
+    }
+
     /// Leaves out some cells from now on, and returns whether the frame is to be measured again.
     pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> bool {
         self.adaptive.drop_cells(cells)

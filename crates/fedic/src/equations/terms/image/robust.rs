@@ -177,7 +177,7 @@ impl<'a> RobustWeights<'a> {
         weights: Option<&[f32]>,
     ) -> Option<WeighedCell> {
         let (weights, scale) = (weights?, *self.scales.get(cell)?);
-        let [mut total, mut kept, mut slope, mut power] = [0.0; 4];
+        let [mut total, mut kept, mut slope, mut power, mut squared] = [0.0; 5];
         for (k, (&r, &weight)) in residuals.iter().zip(weights).enumerate() {
             let own = base.map_or(1.0, |base| f64::from(base[k]));
             let residual = r - self.centre;
@@ -185,8 +185,9 @@ impl<'a> RobustWeights<'a> {
             kept += own * f64::from(weight);
             slope += own * f64::from(self.function.slope(residual / scale));
             power += own * f64::from(weight * residual).powi(2);
+            squared += own * f64::from(weight).powi(2);
         }
-        Some(WeighedCell { kept: kept / total, slope: slope / total, power: power / total })
+        Some(WeighedCell { kept: kept / total, slope: slope / total, power: power / total, squared: squared / total })
     }
 
     /// Median residuals of a cell, of some of its points; NaN for a cell that is left out.
@@ -228,6 +229,11 @@ impl<'a> RobustWeights<'a> {
                 (self.tolerance * scale.max(least)) as f32
             })
             .collect();
+    }
+
+    /// Weights of the points of all cells as found last; absent in cells without outliers.
+    pub(crate) fn into_weights(self) -> Vec<Option<Box<[f32]>>> {
+        self.weights
     }
 
     /// Takes note of the weights of all cells.
