@@ -46,10 +46,11 @@ class CorrelationOptions(TypedDict, total=False):
     displacement otherwise. Default: "initial".
     """
     regularization_length: float | None
-    """Wavelength, in pixels of the reference image, of the displacements whose amplitude a penalty on the second
-    derivatives halves: waves of twice the length keep 94 %, of half the length 6 %. Rigid motions of any size and
-    uniform strain are left alone, with free edges too. The length is accurate from five cells on; no penalty by
-    default. Default: None.
+    """Wavelength, in pixels of the reference image, of the displacements whose amplitude the regularization halves:
+    waves of twice the length keep 94 %, of half the length 6 %. It is a penalty on the second derivatives, or on
+    the forces of linear elasticity (the argument `regularization`), whose length is that of shear waves. Rigid
+    motions of any size and uniform strain are left alone, with free edges too. The length is accurate from five
+    cells on; no regularization by default. Default: None.
     """
     tolerance: float
     """The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from

@@ -46,7 +46,7 @@ def draw_regularization_curve(curve: _Curve) -> Figure:
     best = float(np.nanmin(curve.left_out_rms))
     axes.plot(curve.best_length, best, "o", ms=13, mfc="none", mec="red", label=f"best: {curve.best_length:.4g} px")
     axes.set(xscale="log", xlabel="regularization length (px)", ylabel="residual, rms (grey levels)")
-    axes.xaxis.set_major_locator(FixedLocator(curve.lengths))
+    axes.xaxis.set_major_locator(FixedLocator(curve.lengths.tolist()))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:.3g}"))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_title("bars: two standard errors of the difference to the best", fontsize="small")

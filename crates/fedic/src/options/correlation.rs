@@ -154,9 +154,11 @@ declare_options! {
         /// Time at which the Hessian is computed: `initial`, once, over all points of the reference image, or `updated`, at
         /// every iteration, over the points inside the deformed image. It does not depend on the displacement otherwise.
         hessian: Hessian = Hessian::default();
-        /// Wavelength, in pixels of the reference image, of the displacements whose amplitude a penalty on the second
-        /// derivatives halves: waves of twice the length keep 94 %, of half the length 6 %. Rigid motions of any size and
-        /// uniform strain are left alone, with free edges too. The length is accurate from five cells on; no penalty by default.
+        /// Wavelength, in pixels of the reference image, of the displacements whose amplitude the regularization halves: waves of
+        /// twice the length keep 94 %, of half the length 6 %. It is a penalty on the second derivatives, or on the forces of
+        /// linear elasticity (the argument `regularization`), whose length is that of shear waves. Rigid motions of any size and
+        /// uniform strain are left alone, with free edges too. The length is accurate from five cells on; no regularization by
+        /// default.
         regularization_length: Option<f64> = None, in REGULARIZATION_LENGTH;
         /// The iterations stop when the error that they leave is below this at every node, in pixels. It is estimated from the
         /// last correction and its ratio to the one before.

@@ -49,7 +49,7 @@ impl PlaneStress {
             }
         }
         let largest = (e1 / e2).sqrt();
-        if !(nu12.abs() < largest) {
+        if nu12.is_nan() || nu12.abs() >= largest {
             let expected = format!("less than the square root of E1 / E2, {largest:.4}, in size");
             return Err(OptionError::invalid("nu12", expected, &nu12));
         }
