@@ -50,7 +50,8 @@ def test_signature_and_docstring_show_every_option(function: object, table: list
 def test_defaults_are_those_of_the_core() -> None:
     defaults = {name: p.default for name, p in inspect.signature(fedic.correlate).parameters.items()}
     assert defaults["smoothing"] == 0.8
-    assert defaults["brightness"] == "global"
+    assert defaults["brightness"] == "auto"
+    assert defaults["robust"] is None
     assert defaults["regularization_length"] is None
     assert defaults["quadrature"] == fedic.MeshQuadrature(density=1.0, rule="rotated")
     assert defaults["initial"] == "auto"
@@ -66,7 +67,7 @@ def test_types_and_configuration_have_every_option() -> None:
     names = [info.name for info in CORRELATION_OPTIONS]
     assert list(option_types.CorrelationOptions.__annotations__) == names
     assert list(option_types.SpecimenOptions.__annotations__) == [info.name for info in SPECIMEN_OPTIONS]
-    assert set(CorrelationSection.model_fields) == {*names, "density", "initial"}
+    assert set(CorrelationSection.model_fields) == {*names, "density", "initial", "equilibrium_gap"}
     defaults = {name: p.default for name, p in inspect.signature(fedic.correlate).parameters.items()}
     assert CorrelationSection().options() == {name: defaults[name] for name in [*names, "initial"]}
 
@@ -91,8 +92,8 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
             {"xyz": 1},
             "xyz",
             "there is no option 'xyz'; the options are quadrature, interpolation, gradient, smoothing, brightness, "
-            "hessian, regularization_length, tolerance, noise, max_iterations, num_threads, initial, mask, unit, "
-            "progress.",
+            "robust, hessian, regularization_length, tolerance, noise, max_iterations, num_threads, initial, mask, "
+            "regularization, unit, progress.",
         ),
         (
             {"smoothing": -1.0},
@@ -123,7 +124,11 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
             "regularization_length",
             "regularization_length must be a positive wavelength in pixels or None, got [10.0]",
         ),
-        ({"brightness": "all"}, "brightness", 'brightness must be "global", "element" or None, got \'all\''),
+        (
+            {"brightness": "all"},
+            "brightness",
+            'brightness must be "auto", "global", "element", "field" or None, got \'all\'',
+        ),
         ({"hessian": None}, "hessian", 'hessian must be "initial" or "updated", got None'),
         (
             {"interpolation": "cubic"},

@@ -230,7 +230,10 @@ def test_files_name_the_measure_of_their_strains(
         name = measure.replace("-", "_")
         for component, values in zip(("xx", "yy", "xy"), result.strains(measure).components.T, strict=True):
             np.testing.assert_array_equal(fields[f"{name}_strain_{component}"][0], values)
-        assert sum("strain" in field for field in fields) == 3
+        deviations = result.covariance().strain_deviations(measure)
+        for component, values in zip(("xx", "yy", "xy"), deviations.T, strict=True):
+            np.testing.assert_allclose(fields[f"{name}_strain_std_{component}"][0], values)
+        assert sum("strain" in field for field in fields) == 6
 
 
 def test_an_unknown_measure_writes_no_file(result: fedic.Result, tmp_path: Path) -> None:

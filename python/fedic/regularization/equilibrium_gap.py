@@ -115,7 +115,13 @@ class EquilibriumGap:
         return dict(self._moduli)
 
     def law(self) -> PlaneStress:
-        """Return the law of the material as the core takes it."""
+        """Return the law of the material as the core takes it.
+
+        Returns
+        -------
+        PlaneStress
+            The law.
+        """
         if "nu" in self._moduli:
             return PlaneStress.isotropic(*self._moduli.values())
         return PlaneStress.orthotropic(*self._moduli.values())

@@ -1,7 +1,6 @@
 """The covariance of a displacement due to the noise of the images, and of what is derived from it."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,7 +48,7 @@ class Covariance:
         median = float(np.median(known)) if known.size else float("nan")
         return f"Covariance({self.mesh.num_nodes} nodes, noise={self.noise:.3g}, median deviation {median:.3g})"
 
-    @cached_property
+    @property
     def nodes(self) -> Floats:
         """Covariance of the displacement of each node, (n, 2, 2), in the square of the mesh's unit.
 
@@ -59,7 +58,7 @@ class Covariance:
         blocks[~self.valid_nodes] = np.nan
         return blocks
 
-    @cached_property
+    @property
     def standard_deviations(self) -> Floats:
         """Standard deviation of the displacement of each node, (n, 2), in the mesh's unit; NaN where not measured."""
         return np.sqrt(np.diagonal(self.nodes, axis1=1, axis2=2))

@@ -401,13 +401,14 @@ class Result:
         return self._covariance.standard_deviations, self._covariance.strain_deviations(measure)
 
     def _arrays(self, measure: StrainMeasure) -> dict[str, NDArray[Any]]:
+        strains = self.strains(measure).components
         standard_deviations, strain_deviations = self._deviations(measure)
         return {
             "points": self.mesh.points,
             **{f"cells_{name}": nodes for name, nodes in self.mesh.cells.items()},
             "displacement": self.displacement,
             "pixel_displacement": self.pixel_displacement,
-            "strains": self.strains(measure).components,
+            "strains": strains,
             "strain_measure": np.array(measure),
             "standard_deviations": standard_deviations,
             "strain_standard_deviations": strain_deviations,

@@ -29,7 +29,6 @@ const FROZEN_AFTER: usize = 12;
 /// Change of the share of the weight that is kept from which on a new Hessian is assembled.
 const CHANGE_OF_KEPT: f64 = 0.01;
 /// Light and weights of the points of one deformed image.
-#[derive(Default)]
 pub(crate) struct Adaptive<'a> {
     pub(crate) light: Option<LightField<'a>>,
     pub(crate) robust: Option<RobustWeights<'a>>,
@@ -76,7 +75,18 @@ pub(crate) struct AllFound {
 
 impl<'a> Adaptive<'a> {
     pub(crate) fn new(light: Option<LightField<'a>>, robust: Option<RobustWeights<'a>>) -> Self {
-        Self { light, robust, kept: 1.0, kept_in_hessian: 1.0, ..Self::default() }
+        Self {
+            light,
+            robust,
+            frozen: false,
+            passes: 0,
+            light_change: 0.0,
+            damaged: Vec::new(),
+            dropped: 0,
+            kept: 1.0,
+            kept_in_hessian: 1.0,
+            is_hessian_final: false,
+        }
     }
 
     /// Robust weights of the points of all cells as found last; absent in cells without outliers.

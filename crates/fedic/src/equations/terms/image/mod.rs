@@ -1,5 +1,6 @@
 //! Image term of one observation: the squared grey-level residual between the reference and the deformed image.
 
+mod adapt;
 pub(crate) mod adaptive;
 pub(crate) mod light;
 pub(crate) mod robust;
@@ -10,15 +11,13 @@ use fedic_mesh::{MAX_NODES, Mesh};
 use crate::equations::basis::Basis;
 use crate::equations::normal_equations::{CellEquations, CellShare, NormalEquations};
 use crate::equations::term::{CellAgreement, Term, TermReport};
-use crate::equations::terms::image::adaptive::{AdaptedCell, Adaptive, Found};
-use crate::equations::terms::image::light::{LightField, LightSystem};
-use crate::equations::terms::image::robust::{CellNeighbours, RobustWeights};
+use crate::equations::terms::image::adaptive::{Adaptive, Found};
 use crate::interpolation::cell_prefetch::CellPrefetch;
 use crate::kernels::cell_matrix::CellMatrix;
 use crate::kernels::node_sums::add_node_sums;
 use crate::kernels::residual::{GreyLevels, weighted_residuals};
 use crate::observation::cell_context::{CellContext, linear_sensitivity};
-use crate::observation::deformed_pass::{DeformedCell, Exclusion, interior_of, read_deformed};
+use crate::observation::deformed_pass::{Exclusion, interior_of, read_deformed};
 use crate::observation::material_filter::{MaterialFilter, corrected_moments};
 use crate::observation::observe::{Observation, add_node_blocks};
 use crate::observation::photometry::{GainOffset, Moments};
@@ -28,7 +27,7 @@ use crate::parallel::for_each_in_order;
 use crate::projection::cell_projection::CellProjection;
 use crate::projection::polynomial_basis::PolynomialBasis;
 use crate::projection::projected_points::{ProjectedPoint, project_nodes};
-use crate::{Brightness, Error, Monitor, Robust, SolveError};
+use crate::{Brightness, Error, Monitor, SolveError};
 
 /// Motion in pixels up to which the polynomials of the cells are not compared with the camera again.
 const UNCHECKED_MOTION: f64 = 1.0;
@@ -113,7 +112,7 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             saturated: None,
             smoothing: 0.0,
             used_points: UsedPoints::default(),
-            adaptive: Adaptive::default(),
+            adaptive: Adaptive::new(None, None),
             node_blocks: None,
         }
     }
@@ -145,63 +144,6 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
     /// Block of each node on the diagonal of the Hessian over the points used last.
     pub(crate) fn node_blocks(&self) -> &[[[f64; D]; D]] {
         self.node_blocks.as_deref().unwrap_or(&self.observation.node_blocks)
-    }
-
-    /// Light as a field and weights of the points, as found last.
-    pub(crate) fn adaptive(&self) -> &Adaptive<'a> {
-        &self.adaptive
-    }
-
-    /// Robust weights of the points of all cells as found last; absent in cells without outliers.
-    pub(crate) fn into_weights(self) -> Vec<Option<Box<[f32]>>> {
-        self.adaptive.into_weights()
-    }
-
-    /// Leaves out some cells from now on, and returns whether the frame is to be measured again.
-    pub(crate) fn drop_cells(&mut self, cells: impl IntoIterator<Item = usize>) -> bool {
-        self.adaptive.drop_cells(cells)
-    }
-
-    /// Makes the light a field, starting from gain and offset over the mesh as found last, and weighs the points by their residual.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Cancelled`] if `monitor` asks to stop; [`SolveError::TooLarge`] if the light does not fit in memory.
-    pub(crate) fn adapt(
-        &mut self,
-        displacement: &[[f64; D]],
-        light: Option<&'a LightSystem>,
-        robust: Option<(Robust, &'a CellNeighbours)>,
-        monitor: &dyn Monitor,
-    ) -> Result<(), Error> {
-        let mut all = Moments::default();
-        self.observation.moments.iter().for_each(|cell| all.add(cell));
-        let contrast = all.std_f();
-        let light = light.map(|system| LightField::uniform(system, contrast, self.gain_offset()));
-        let robust = robust.map(|(function, neighbours)| RobustWeights::new(function, neighbours, contrast));
-        // The scale of the residuals is that after the correction by the light.
-        let passes = usize::from(light.is_some()) + usize::from(robust.is_some());
-        self.adaptive = Adaptive::new(light, robust);
-        let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
-        for _ in 0..passes {
-            let mut all = self.adaptive.all_found();
-            for_each_in_order(
-                0..self.mesh.num_cells(),
-                monitor,
-                |workspace: &mut Workspace<D>, _, cell| {
-                    let next = CellPrefetch::new(self.deformed, self.mesh, Some(cell + 1), &nodes);
-                    let projection = CellProjection::new(self.mesh, cell, &nodes, self.observation.camera.as_ref());
-                    let context = self.context(cell, projection);
-                    let exclusion = self.exclusion(cell, &nodes);
-                    let read =
-                        read_deformed(self.observation, self.deformed, workspace, &context, exclusion, next.as_ref());
-                    (self.adapted(workspace, &context, &read).found, read.moments.weight)
-                },
-                |cell, (found, weight)| self.adaptive.add(&mut all, cell, found, weight),
-            )?;
-            self.adaptive.take(all, false)?;
-        }
-        Ok(())
     }
 
     /// Estimates gain and offset over the mesh from some of its cells.
@@ -298,17 +240,6 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
             _ if self.adaptive.light.is_some() => GainOffset::IDENTITY,
             _ => self.gain_offset,
         }
-    }
-
-    fn adapted(
-        &self,
-        workspace: &mut Workspace<D>,
-        context: &CellContext<'_, D>,
-        deformed: &DeformedCell,
-    ) -> AdaptedCell {
-        let nodes = self.mesh.cell(context.cell).nodes;
-        let gain_offset = |moments: &Moments| self.gain_offset_of_cell(moments);
-        self.adaptive.read(self.observation, workspace, (context, nodes), deformed, gain_offset)
     }
 
     /// Change of the right-hand side, to first order, from one gain and offset to another.

@@ -1,0 +1,55 @@
+//! The covariance of the displacement, predicted by a correlator.
+
+use fedic_image::ImageView;
+
+use super::Correlator;
+use crate::observation::image_source::view_of;
+use crate::results::covariance::{Covariance, Prediction};
+use crate::results::solution::Information;
+use crate::threads::in_pool;
+use crate::{Error, Monitor, PLANE};
+
+impl Correlator {
+    /// Covariance of the displacement due to the noise of the images, near a displacement (`None` for none).
+    ///
+    /// `noise` is the standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: white from
+    /// pixel to pixel, and the same in both images. `information` is that of a [`Solution`]; `None` if all points are used.
+    ///
+    /// The covariance is `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a regularization included.
+    /// `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p` pixels, with
+    /// `h = N^T J_P^T grad f` of the reference image smoothed twice, since `A` and the noise of the right-hand side are smoothed once
+    /// each. A point counts for no more pixels than an evaluation of the image averages: 1.25 through the interpolation, `4 pi s^2`
+    /// through a smoothing of standard deviation `s`. Along the border of the mesh the smoothing gathers less noise.
+    ///
+    /// Only the scatter at convergence is predicted: neither the bias of interpolation and noise, nor that of a mesh too coarse for
+    /// the field. The prediction is too large for [`Gradient::FiniteDifference`](crate::Gradient), as the sensitivity of the residual
+    /// is that of the analytic gradient; too large with a smoothing as wide as a tenth of the cells, over which shape functions are
+    /// taken as constant; and too small if the noise is not small beside the gradient of the reference image, to which it adds.
+    ///
+    /// The cost is that of at most two factorisations and two selected inversions, about six factorisations.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] if `noise` is negative or not finite, or the reference image cannot be viewed again; [`Error::Cancelled`] if `monitor`
+    /// asks to stop.
+    ///
+    /// # Panics
+    ///
+    /// If there is information, but not of each cell.
+    pub fn covariance(
+        &self,
+        noise: f64,
+        displacement: Option<&[[f64; PLANE]]>,
+        information: Option<&[Information]>,
+        monitor: &dyn Monitor,
+    ) -> Result<Covariance, Error> {
+        assert!(information.is_none_or(|cells| cells.len() == self.dofs.mesh.num_cells()), "information of each cell");
+        let at_rest = vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()];
+        let displacement = displacement.map(|field| self.dofs.restrict(field)).transpose()?.unwrap_or(at_rest);
+        let prediction = Prediction { noise, displacement: &displacement, information };
+        let predict = |reference: ImageView<'_>| {
+            Covariance::predict(&self.dofs, &self.level, reference, &self.options, &prediction, monitor)
+        };
+        in_pool(self.threads(), || view_of(self.reference.as_ref(), predict))??
+    }
+}
