@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[1]
 NOTICE = "Written by `make generate` from the options declared in crates/fedic/src. Do not edit."
 CONFIGURATION = """\
 The section `[correlation]` of a configuration file has the same keys, with two differences: `quadrature` is one of the
-names below, beside a key `density`, and `None` is written `"none"`, or left out for a number. The argument `regularization`
-is a section of its own there, [`[correlation.equilibrium_gap]`](regularization.md#equilibrium-gap).
+names below, beside a key `density`, and `None` is written `"none"`, or left out for a number. The argument
+`regularization` is a section of its own there, [`[correlation.equilibrium_gap]`](regularization.md#equilibrium-gap).
 """
 WIDTH = 112
 
