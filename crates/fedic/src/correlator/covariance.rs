@@ -13,7 +13,7 @@ impl Correlator {
     /// Covariance of the displacement due to the noise of the images, near a displacement (`None` for none).
     ///
     /// `noise` is the standard deviation, in grey levels, of the noise of one image as recorded, before any smoothing: white from
-    /// pixel to pixel, and the same in both images. `information` is that of a [`Solution`]; `None` if all points are used.
+    /// pixel to pixel, and the same in both images. `information` is that of a [`Solution`](crate::Solution); `None` if all are used.
     ///
     /// The covariance is `2 noise^2 A^-1 B A^-1`. `A` is the Hessian, the penalty of a regularization included.
     /// `B = sum (w^2 / p) h h^T` over the quadrature points, of weight `w` and standing for `p` pixels, with

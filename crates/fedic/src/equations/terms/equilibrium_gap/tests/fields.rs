@@ -120,10 +120,9 @@ fn elastic_fields_of_a_plate_with_a_hole_and_a_crack_are_left_alone() {
         let used = mesh.used_nodes();
         let given = |node: usize| {
             let [x, y, _] = mesh.points()[node];
-            let end = !(1e-9..HEIGHT - 1e-9).contains(&y);
+            let end = !(1e-9..=HEIGHT - 1e-9).contains(&y);
             // An uneven pull, not affine.
-            let pulled = if y < 1.0 { [0.0, 0.0] } else { [0.05 * x, 0.3 + 0.01 * x * x] };
-            (end || !used[node]).then_some(pulled)
+            (end || !used[node]).then_some(if y < 1.0 { [0.0, 0.0] } else { [0.05 * x, 0.3 + 0.01 * x * x] })
         };
         let field = elastic(&mesh, &law, given);
         let free = sides(&mesh, HEIGHT);
