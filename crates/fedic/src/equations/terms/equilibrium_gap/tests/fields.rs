@@ -47,11 +47,12 @@ fn any_uniform_strain_is_left_alone_inside() {
 fn bending_with_free_sides_is_left_alone() {
     for cell_type in CellType::ALL {
         let mesh = rectangle([WIDTH, HEIGHT], cell_type, 0.0);
-        // Linear triangles do not bend without forces on their sides.
-        let free = if cell_type == CellType::Triangle { Vec::new() } else { sides(&mesh, HEIGHT) };
-        let system = System::gap(&mesh, isotropic(), free, LENGTH);
+        let system = System::gap(&mesh, isotropic(), sides(&mesh, HEIGHT), LENGTH);
         let error = system.relative_error(&field_of(&mesh, bending));
-        assert!(error < TOLERANCE, "{cell_type:?}: {error:e}");
+        // Linear triangles with alternating diagonals bend with forces: the error is that of interpolation, an eighth of the second
+        // derivative.
+        let limit = if cell_type == CellType::Triangle { 0.01 } else { TOLERANCE };
+        assert!(error < limit, "{cell_type:?}: {error:e}");
     }
 }
 
