@@ -56,11 +56,14 @@ impl CellEdges {
         self.of_cell.get(cell).is_some_and(|edges| !edges.is_empty())
     }
 
-    /// Distances in pixels of an image point from the edges of a cell.
+    /// Distances in pixels of an image point from the edges of a cell that it lies beside, between their ends.
     pub(crate) fn distances(&self, cell: usize, point: [f64; 2]) -> impl Iterator<Item = f64> {
-        self.of_cell.get(cell).into_iter().flatten().map(move |[a, b]| {
+        self.of_cell.get(cell).into_iter().flatten().filter_map(move |[a, b]| {
             let [along, from] = [[b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]];
-            ((along[0] * from[1] - along[1] * from[0]) / along[0].hypot(along[1])).abs()
+            let square = along[0] * along[0] + along[1] * along[1];
+            let place = (along[0] * from[0] + along[1] * from[1]) / square;
+            let across = (along[0] * from[1] - along[1] * from[0]) / square.sqrt();
+            (0.0..1.0).contains(&place).then_some(across.abs())
         })
     }
 }

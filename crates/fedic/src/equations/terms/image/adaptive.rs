@@ -28,6 +28,7 @@ const STRICTER_AFTER: usize = 6;
 const FROZEN_AFTER: usize = 12;
 /// Change of the share of the weight that is kept from which on a new Hessian is assembled.
 const CHANGE_OF_KEPT: f64 = 0.01;
+
 /// Light and weights of the points of one deformed image.
 pub(crate) struct Adaptive<'a> {
     pub(crate) light: Option<LightField<'a>>,
@@ -245,6 +246,9 @@ impl<'a> Adaptive<'a> {
 
     /// Adds what is found of the next cell, of this weight before its points were weighed.
     pub(crate) fn add(&self, all: &mut AllFound, cell: usize, found: Found, weight: f64) {
+        if self.is_empty() {
+            return;
+        }
         if let (Some(sums), Some(share), Some(light)) = (&mut all.light, &found.light, &self.light) {
             light.system().add(sums, cell, share);
         }

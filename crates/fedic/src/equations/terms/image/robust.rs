@@ -275,6 +275,8 @@ mod tests {
         let residuals: Vec<f32> = (0..100).map(|k| ((k * 37 % 100) as f32 - 49.5) / 30.0).collect();
         assert!(weights.of_residuals(0, &residuals, None).is_none());
         let of_cells = vec![weights.residuals_of(0, &residuals, None); 9];
+        (0..3).for_each(|_| weights.tighten());
+        assert!(weights.is_strict());
         weights.rescale(&of_cells);
         assert!(weights.of_residuals(0, &residuals, None).is_none());
         let mut outlier = residuals.clone();
