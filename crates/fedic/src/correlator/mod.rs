@@ -1,4 +1,6 @@
 //! The correlator: a reference image prepared once, and the measurement of each deformed image.
+//!
+//! May import: options, error, quadrature, kernels, projection, interpolation, observation, equations, solve, results.
 
 mod covariance;
 
