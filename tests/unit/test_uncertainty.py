@@ -51,10 +51,11 @@ def border_factors(mesh: fedic.Mesh, pixels: np.ndarray, cells: np.ndarray, smoo
             continue
         of_cell = np.flatnonzero(cells == cell)
         along, start = mesh.points[b, :2] - mesh.points[a, :2], mesh.points[a, :2]
+        place = (pixels[of_cell] - start) @ along / (along @ along)
         across = along[0] * (pixels[of_cell, 1] - start[1]) - along[1] * (pixels[of_cell, 0] - start[0])
         distance = np.abs(across) / np.hypot(*along) / smoothing
         lacking = 2.0 * norm.cdf(distance) * norm.sf(distance)
-        factors[of_cell] *= np.where(distance < 4.0, 1.0 - 0.74 * lacking, 1.0)
+        factors[of_cell] *= np.where((distance < 4.0) & (place >= 0) & (place < 1), 1.0 - 0.74 * lacking, 1.0)
     return factors
 
 
