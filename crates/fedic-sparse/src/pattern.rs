@@ -112,7 +112,7 @@ impl Pattern {
     }
 
     /// Number of entries of the lower triangle.
-    pub(crate) fn num_entries(&self) -> usize {
+    pub fn num_entries(&self) -> usize {
         self.column_start(self.num_nodes() - 1, self.block - 1)
             + self.node_column(self.num_nodes() - 1).len() * self.block
             - (self.block - 1)

@@ -25,6 +25,7 @@ use fedic_sparse::{Factor, SpdFactor, SymmetricMatrix};
 
 use crate::equations::deformation::{NodalDeformation, Tensor};
 use crate::equations::dofs::Dofs;
+use crate::error::check_memory;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::options::{NOISE, OptionType};
 use crate::projection::projected_points::project_nodes;
@@ -73,7 +74,7 @@ impl Covariance {
     ///
     /// # Errors
     ///
-    /// [`Error::Option`] if the noise is negative or not finite; [`SolveError::TooLarge`] if the factor does not fit in memory;
+    /// [`Error::Option`] if the noise is negative or not finite; [`Error`] if the matrices and factors do not fit in memory;
     /// [`Error::Cancelled`] if `monitor` asks to stop.
     pub(crate) fn predict(
         dofs: &Arc<Dofs<PLANE>>,
@@ -85,6 +86,10 @@ impl Covariance {
     ) -> Result<Self, Error> {
         let &Prediction { noise, displacement, information } = prediction;
         noise.check("noise", Some(NOISE))?;
+        let [width, height] = level.observation.size;
+        let images = 2 * size_of::<f32>() * width * height;
+        let matrices = size_of::<f64>() * (4 * dofs.pattern.num_entries() + 2 * level.factor.num_entries());
+        check_memory("the covariance of the displacement", images + matrices, "use a coarser mesh")?;
         let nodes = project_nodes::<PLANE>(&dofs.mesh, level.observation.camera.as_ref(), None);
         let pass = NoisePass {
             dofs,
