@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use fedic::{
     Brightness, CellType, Correlator, Error, Gradient, Hessian, Image, ImageError, ImageFrame, Interpolation,
-    OptionError, OptionKind, OptionValue, Options, Quadrature, Rule, SelfCalibrationOptions, rectangle_mesh,
+    OptionError, OptionKind, OptionValue, Options, Quadrature, Robust, Rule, SelfCalibrationOptions, rectangle_mesh,
 };
 
 fn prepare(options: Options) -> Result<(), Error> {
@@ -73,13 +73,15 @@ fn enumerated_options_parse_from_their_names() {
     assert_eq!("none".parse(), Ok(Brightness::None));
     assert_eq!("global".parse(), Ok(Brightness::Global));
     assert_eq!("element".parse(), Ok(Brightness::Element));
+    assert_eq!("field".parse(), Ok(Brightness::Field));
+    assert_eq!("tukey".parse(), Ok(Robust::Tukey));
     assert_eq!("initial".parse(), Ok(Hessian::Initial));
     assert_eq!("updated".parse(), Ok(Hessian::Updated));
     for (error, text) in [
         ("x".parse::<Gradient>().unwrap_err(), "gradient must be \"analytic\" or \"finite-difference\", got \"x\""),
         (
             "Global".parse::<Brightness>().unwrap_err(),
-            "brightness must be \"global\", \"element\" or \"none\", got \"Global\"",
+            "brightness must be \"auto\", \"global\", \"element\", \"field\" or \"none\", got \"Global\"",
         ),
         ("".parse::<Hessian>().unwrap_err(), "hessian must be \"initial\" or \"updated\", got \"\""),
     ] {
@@ -161,7 +163,7 @@ fn an_unknown_option_is_refused_with_the_known_ones() {
     assert_eq!(
         error.to_string(),
         "there is no option \"smoothin\"; the options are quadrature, interpolation, gradient, smoothing, brightness, \
-         hessian, regularization_length, tolerance, noise, max_iterations, num_threads"
+         robust, hessian, regularization_length, tolerance, noise, max_iterations, num_threads"
     );
 }
 
