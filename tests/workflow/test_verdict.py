@@ -156,9 +156,11 @@ def test_no_node_is_silently_wrong_at_the_lips_of_a_crack_in_the_mesh(cell: str,
     truth = np.zeros((mesh.num_nodes, 2))
     truth[:, 1] = np.where(np.arange(mesh.num_nodes) < upper.num_nodes, -opening / 2, opening / 2)
     assert silent(result, truth).size == 0
-    if gap == 20:  # far from the mean grey level
-        lips = np.abs(mesh.points[:, 1] - 150) < 1
-        assert (result.quality.node_flags[lips] != 0).mean() > 0.8
+    # Points beside the cut are left out: the opening is measured, whatever the grey level of the gap.
+    lips = np.abs(mesh.points[:, 1] - 150) < 1
+    error = np.linalg.norm(result.displacement[lips] - truth[lips], axis=1)
+    assert error.max() < 0.2
+    assert error.mean() < 0.08
 
 
 @pytest.mark.parametrize("shift", [2.0, 5.0, 7.0, 14.0])
