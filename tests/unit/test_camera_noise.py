@@ -8,7 +8,8 @@ import pytest
 from matplotlib.axes import Axes
 
 import fedic
-from fedic._internal.full_scale import full_scale, saturated_share
+from fedic._core import full_scale
+from fedic._internal.saturation import saturated_share
 from fedic.noise._gradient import MARGIN, gradient
 from fedic.noise._grey_line import fit_grey_line
 from scenes.static import scene, shot

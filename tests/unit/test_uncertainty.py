@@ -6,7 +6,6 @@ from scipy.stats import norm
 
 import fedic
 from fedic import _core
-from fedic.results.displacement_gradient import displacement_gradients, strain_derivative
 
 SHAPE = (140, 170)
 BOUNDS = (20.3, 20.6, 150.2, 129.1)
@@ -288,19 +287,32 @@ def test_functions_of_the_displacement_have_the_covariance_of_points_and_nodes()
 
 
 @pytest.mark.parametrize("measure", ["green-lagrange", "hencky", "small"])
-def test_the_derivative_of_strains_is_that_of_finite_differences(measure: str) -> None:
-    mesh = fedic.rectangle_mesh((0, 0, 2, 1), 1.0)
-    rng = np.random.default_rng(3)
-    displacement = rng.normal(0, 0.2, (mesh.num_nodes, 2))
-    gradients = displacement_gradients(mesh, displacement)
-    derivative = strain_derivative(gradients, measure)  # type: ignore[arg-type]
-    change = 1e-6 * rng.normal(size=displacement.shape)
-    moved = (
-        mesh.strains(displacement + change, measure).components
-        - mesh.strains(displacement - change, measure).components
-    )  # type: ignore[arg-type]
-    expected = np.einsum("cij,cj->ci", derivative, 2 * displacement_gradients(mesh, change))
-    np.testing.assert_allclose(moved, expected, rtol=1e-5, atol=1e-12)
+@pytest.mark.parametrize("slope", [0.0, 0.6])
+def test_strains_have_the_covariance_of_their_derivatives(measure: str, slope: float) -> None:
+    """Derivatives by finite differences, on a plane seen from the front and on a slanted one."""
+    camera = fedic.FrontParallel(10.0, (0.0, 140.0))
+    flat = fedic.rectangle_mesh((2.03, 2.06, 15.02, 12.91), 2.0)
+    mesh = fedic.Mesh(np.column_stack([flat.points[:, :2], slope * flat.points[:, 0]]), flat.cells)
+    points = mesh.points[:, :2]
+    displacement = 0.02 * np.column_stack([points[:, 0] - 2 * points[:, 1], 3 * points[:, 0] + points[:, 1]])
+    core = _core.Correlator(speckle().astype(np.float32), mesh, camera).covariance(2.0, displacement)
+    known = (np.ones(number, dtype=bool) for number in (mesh.num_nodes, mesh.num_cells))
+    covariance = fedic.Covariance(mesh, 2.0, *known, core)
+    cell, step = 9, 1e-6
+    nodes = mesh.cells["quad"][cell]
+    weights = np.zeros((3, mesh.num_nodes, 2))
+    for node in nodes:
+        for component in range(2):
+            moved = [displacement.copy(), displacement.copy()]
+            moved[0][node, component] += step
+            moved[1][node, component] -= step
+            up, down = (mesh.strains(each, measure).components[cell] for each in moved)  # type: ignore[arg-type]
+            weights[:, node, component] = (up - down) / (2 * step)
+    expected = covariance.of(weights)
+    np.testing.assert_allclose(covariance.strains(measure)[cell], expected, rtol=1e-4, atol=1e-5 * expected.max())  # type: ignore[arg-type]
+    centre = points[nodes].mean(axis=0)
+    gauge = covariance.gauge(centre[None], measure)  # type: ignore[arg-type]
+    np.testing.assert_allclose(gauge, expected, rtol=1e-4, atol=1e-5 * expected.max())
 
 
 def test_deviations_of_nodes_that_were_not_measured_are_nan() -> None:

@@ -28,7 +28,7 @@ pub use field::{
 };
 pub use isoparametric::{inverse_map, jacobian, map};
 pub use locate::Locator;
-pub use mesh::{Cell, CellEdge, LineError, Mesh, MeshSet};
+pub use mesh::{BoundaryEdge, Cell, CellEdge, LineError, Mesh, MeshSet};
 pub use pixels::pixels_in_polygon;
 pub use rectangle::rectangle_mesh;
 pub use rule::{Rule, UnknownRule};

@@ -5,10 +5,8 @@ use pyo3::prelude::*;
 
 use crate::arrays::{rows, to_array};
 use crate::errors::argument_error;
+use crate::strains;
 use crate::worker::{SHARED, run_briefly, run_on};
-
-/// Number of components of a displacement gradient.
-const GRADIENT: usize = 4;
 
 /// Covariance of the displacement due to the noise of the images; see `fedic.Covariance`.
 #[pyclass(frozen, module = "fedic._core")]
@@ -29,10 +27,10 @@ impl Covariance {
         blocks(py, &self.inner.blocks())
     }
 
-    /// Covariance of the displacement gradient at the centre of each cell, (num_cells, 4, 4) float64: of ``du/dx``, ``du/dy``,
-    /// ``dv/dx``, ``dv/dy``.
-    fn cell_gradients<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        blocks(py, &run_briefly(py, &SHARED, || self.inner.cell_gradients())?)
+    /// Covariance of the strain at the centre of each cell, (num_cells, 3, 3) float64: of ``exx``, ``eyy``, ``exy``.
+    fn cell_strains<'py>(&self, py: Python<'py>, measure: &str) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let measure = strains::measure(measure)?;
+        blocks(py, &run_briefly(py, &SHARED, || self.inner.cell_strains(measure))?)
     }
 
     /// Covariance of the displacement at points, (m, 2, 2) float64; NaN outside the mesh.
@@ -41,10 +39,15 @@ impl Covariance {
         blocks(py, &run_on(py, Some(&SHARED), None, |monitor| self.inner.at_points(&points, monitor))?)
     }
 
-    /// Covariance of the mean displacement gradient over points, (4, 4) float64; NaN if one lies outside the mesh.
-    fn mean_gradient<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let points = rows::<2>(points, "points", argument_error)?;
-        let covariance = run_on(py, Some(&SHARED), None, |monitor| self.inner.mean_gradient(&points, monitor))?;
+    /// Covariance of the mean strain over points, (3, 3) float64; NaN if one lies outside the mesh.
+    fn mean_strain<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+        measure: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (points, measure) = (rows::<2>(points, "points", argument_error)?, strains::measure(measure)?);
+        let covariance = run_on(py, Some(&SHARED), None, |monitor| self.inner.mean_strain(&points, measure, monitor))?;
         to_array(py, &covariance)
     }
 
@@ -64,6 +67,5 @@ impl Covariance {
 
 /// Square blocks as an array.
 fn blocks<'py, const N: usize>(py: Python<'py>, blocks: &[[[f64; N]; N]]) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    const { assert!(N <= GRADIENT, "blocks of two or four rows") }
     PyArray::from_slice(py, blocks.as_flattened().as_flattened()).reshape([blocks.len(), N, N])
 }

@@ -94,6 +94,18 @@ impl ImageSource for ReferenceImage {
     }
 }
 
+/// Full scale of the grey levels of an image, a float, if so many pixels reach it that they may be saturated; None otherwise.
+///
+/// Parameters
+/// ----------
+/// image : (h, w) array of uint8, uint16 or float32
+#[pyfunction]
+pub(crate) fn full_scale(py: Python<'_>, image: &Bound<'_, PyAny>) -> PyResult<Option<f32>> {
+    let grey = GreyArray::borrow(image, "image")?;
+    let view = grey.view(py, &SHARED, "image")?;
+    run_briefly(py, &SHARED, || view.full_scale())
+}
+
 /// Grey levels and gradients of an image between its pixels.
 ///
 /// Parameters

@@ -36,7 +36,7 @@ mod _core {
     #[pymodule_export]
     use crate::covariance::Covariance;
     #[pymodule_export]
-    use crate::image::interpolate_image;
+    use crate::image::{full_scale, interpolate_image};
     #[pymodule_export]
     use crate::lens::{Distortion, LensModel, spline_basis};
     #[pymodule_export]

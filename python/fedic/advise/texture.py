@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fedic._internal.full_scale import saturated_share
+from fedic._internal.saturation import saturated_share
 from fedic._internal.types import Floats, Image
 
 __all__ = ["Texture", "speckle_size", "texture_of"]

@@ -10,9 +10,9 @@ from fedic._internal.units import checked_unit
 from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
 from fedic.campaign.camera_section import CameraFileSection, CameraSection
 from fedic.campaign.correlation_section import CorrelationSection
-from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
 from fedic.campaign.image_list import expand_names
-from fedic.campaign.mesh_section import MeshSection, RectangleSection, UnstructuredSection
+from fedic.campaign.measurement_sections import MEASUREMENT_SECTIONS
+from fedic.campaign.mesh_section import MeshSection
 from fedic.campaign.outputs import Outputs, result_names
 from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError
 from fedic.io.images import split_page
@@ -88,14 +88,8 @@ _SCHEMA = Schema(
     {
         "": Config,
         "images": ImagesSection,
-        "mesh": MeshSection,
-        "mesh.rectangle": RectangleSection,
-        "mesh.unstructured": UnstructuredSection,
-        "camera.file": CameraFileSection,
-        "correlation": CorrelationSection,
-        "correlation.equilibrium_gap": EquilibriumGapSection,
         "output": OutputSection,
-        **CAMERA_SCHEMA.sections,
+        **MEASUREMENT_SECTIONS,
     },
     CAMERA_SCHEMA.choices,
 )

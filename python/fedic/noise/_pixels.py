@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._internal.full_scale import full_scale
+from fedic._core import full_scale
 from fedic._internal.types import Floats, Image, StrPath
 from fedic.errors import ImageError, OptionError
 from fedic.io.images import as_image, read_image

@@ -10,7 +10,6 @@ from fedic._core import CORRELATION_OPTIONS, Mesh
 from fedic._internal.types import Camera, Floats, Image
 from fedic.io.images import as_image
 from fedic.options import core_options
-from fedic.results.displacement_gradient import strain_derivative
 
 __all__ = ["strain_deviations"]
 
@@ -48,8 +47,5 @@ def strain_deviations(
     given = {name: value for name, value in (options or {}).items() if name in names}
     arguments = core_options(given, CORRELATION_OPTIONS)
     correlator = _core.Correlator(as_image(image, "reference"), mesh, camera, **arguments)
-    of_gradients = correlator.covariance(noise).cell_gradients()
-    derivative = strain_derivative(np.zeros((1, 4)), "small")[0]
-    variances = np.einsum("si,cij,sj->cs", derivative, of_gradients, derivative)
-    deviations: Floats = np.sqrt(np.maximum(variances, 0.0))
+    deviations: Floats = np.sqrt(np.diagonal(correlator.covariance(noise).cell_strains("small"), axis1=1, axis2=2))
     return deviations

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fedic._internal.full_scale import saturated_share
+from fedic._internal.saturation import saturated_share
 from fedic._internal.types import Floats, Image, StrPath
 from fedic._internal.warning_level import levels_within_fedic
 from fedic.errors import ImageError, QualityWarning

@@ -10,7 +10,6 @@ from fedic._core import STRAIN_MEASURES, Mesh
 from fedic._internal.choices import check_choice
 from fedic._internal.types import Floats
 from fedic.errors import OptionError
-from fedic.results.displacement_gradient import displacement_gradients, strain_derivative
 from fedic.results.strains import StrainMeasure
 
 __all__ = ["Covariance"]
@@ -27,8 +26,6 @@ class Covariance:
     ----------
     mesh : Mesh
         The mesh.
-    displacement : ndarray of float, shape (n, 2)
-        Displacement near which it was predicted, in the mesh's unit.
     noise : float
         Standard deviation of the noise of one image, in grey levels.
     valid_nodes, valid_cells : ndarray of bool, shapes (n,) and (num_cells,)
@@ -36,7 +33,6 @@ class Covariance:
     """
 
     mesh: Mesh
-    displacement: Floats
     noise: float
     valid_nodes: NDArray[np.bool_]
     valid_cells: NDArray[np.bool_]
@@ -89,7 +85,8 @@ class Covariance:
         Returns
         -------
         ndarray of float, shape (num_cells, 3, 3)
-            Of ``exx, eyy, exy``, to first order in the noise; NaN in cells that are not valid.
+            Of ``exx, eyy, exy`` along the axes of `Mesh.strains`, to first order in the noise; NaN in cells that are
+            not valid.
 
         Raises
         ------
@@ -97,8 +94,7 @@ class Covariance:
             If the measure is unknown.
         """
         check_choice("measure", measure, STRAIN_MEASURES)
-        derivative = strain_derivative(displacement_gradients(self.mesh, self.displacement), measure)
-        covariance: Floats = derivative @ self._prediction.cell_gradients() @ np.swapaxes(derivative, 1, 2)
+        covariance = self._prediction.cell_strains(measure)
         covariance[~self.valid_cells] = np.nan
         return covariance
 
@@ -123,7 +119,7 @@ class Covariance:
         return np.sqrt(np.diagonal(self.strains(measure), axis1=1, axis2=2))
 
     def gauge(self, points: ArrayLike, measure: StrainMeasure = "green-lagrange") -> Floats:
-        """Return the covariance of the strain of a gauge: that of the mean displacement gradient over points.
+        """Return the covariance of the strain of a gauge: that of the mean strain over points, to first order.
 
         Parameters
         ----------
@@ -135,7 +131,7 @@ class Covariance:
         Returns
         -------
         ndarray of float, shape (3, 3)
-            Of ``exx, eyy, exy``; NaN if a point lies outside the mesh. The cost is four solutions of the system.
+            Of ``exx, eyy, exy``; NaN if a point lies outside the mesh. The cost is three solutions of the system.
 
         Raises
         ------
@@ -143,10 +139,7 @@ class Covariance:
             If the measure is unknown.
         """
         check_choice("measure", measure, STRAIN_MEASURES)
-        mean = displacement_gradients(self.mesh, self.displacement, points).mean(axis=0, keepdims=True)
-        derivative = strain_derivative(mean, measure)[0]
-        covariance: Floats = derivative @ self._prediction.mean_gradient(points) @ derivative.T
-        return covariance
+        return self._prediction.mean_strain(points, measure)
 
     def of(self, weights: ArrayLike) -> Floats:
         """Return the covariance of linear functions of the displacement.

@@ -281,7 +281,7 @@ class Result:
             raise OptionError("the noise of the images is not known: give it as noise, in grey levels", "noise")
         displacement = np.nan_to_num(self.unchecked_displacement)
         found = self._images().covariance(level, displacement, self.information)
-        return Covariance(self.mesh, displacement, float(level), self.valid_nodes, self.valid_cells, found)
+        return Covariance(self.mesh, float(level), self.valid_nodes, self.valid_cells, found)
 
     def standard_deviations(self, noise: float | None = None) -> Floats:
         """Predict the standard deviation of the displacement from the noise of the images.

@@ -2,6 +2,15 @@
 
 use super::Mesh;
 
+/// A piece of the boundary between neighbouring nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BoundaryEdge {
+    /// The cell that it belongs to.
+    pub cell: usize,
+    /// Nodes at its ends, in the order of the cell.
+    pub nodes: [u32; 2],
+}
+
 impl Mesh {
     /// For each node, whether it lies on the boundary: on a piece of an edge, between neighbouring nodes, that one cell only has.
     ///
@@ -18,23 +27,25 @@ impl Mesh {
     /// ```
     pub fn boundary_nodes(&self) -> Vec<bool> {
         let mut boundary = vec![false; self.num_nodes()];
-        self.boundary_edges().as_flattened().iter().for_each(|&node| boundary[node as usize] = true);
+        for edge in self.boundary_edges() {
+            edge.nodes.iter().for_each(|&node| boundary[node as usize] = true);
+        }
         boundary
     }
 
     /// Pieces of edges, between neighbouring nodes, of one cell only.
-    pub(super) fn boundary_edges(&self) -> Vec<[u32; 2]> {
-        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(4 * self.num_cells());
-        for cell in self.cells() {
+    pub fn boundary_edges(&self) -> Vec<BoundaryEdge> {
+        let mut edges: Vec<([u32; 2], BoundaryEdge)> = Vec::with_capacity(4 * self.num_cells());
+        for (index, cell) in self.cells().enumerate() {
             let outline = cell.cell_type.outline();
             for (k, &from) in outline.iter().enumerate() {
                 let [a, b] = [from, outline[(k + 1) % outline.len()]].map(|local| cell.nodes[local]);
                 if a != b {
-                    edges.push([a.min(b), a.max(b)]);
+                    edges.push(([a.min(b), a.max(b)], BoundaryEdge { cell: index, nodes: [a, b] }));
                 }
             }
         }
-        edges.sort_unstable();
-        edges.chunk_by(|a, b| a == b).filter(|uses| uses.len() == 1).map(|uses| uses[0]).collect()
+        edges.sort_unstable_by_key(|&(key, edge)| (key, edge.cell));
+        edges.chunk_by(|a, b| a.0 == b.0).filter(|uses| uses.len() == 1).map(|uses| uses[0].1).collect()
     }
 }

@@ -19,7 +19,7 @@ impl Mesh {
     /// # Ok::<(), fedic_mesh::MeshError>(())
     /// ```
     pub fn hanging_nodes(&self, relative: f64) -> Vec<u32> {
-        let edges = self.boundary_edges();
+        let edges: Vec<[u32; 2]> = self.boundary_edges().into_iter().map(|edge| edge.nodes).collect();
         let mut nodes: Vec<u32> = edges.iter().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();

@@ -14,6 +14,7 @@ mod transform;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+pub use boundary::BoundaryEdge;
 pub use edges::CellEdge;
 pub use sets::MeshSet;
 pub use split::LineError;

@@ -38,17 +38,7 @@ impl CellEdges {
 
     /// Edges on the border of the mesh, which no other cell shares.
     pub(crate) fn borders(mesh: &Mesh, nodes: &[ProjectedPoint]) -> Self {
-        let mut all: Vec<([u32; 2], usize, [u32; 2])> = Vec::new();
-        for (index, cell) in mesh.cells().enumerate() {
-            let outline = cell.cell_type.outline();
-            for (k, &from) in outline.iter().enumerate() {
-                let [a, b] = [from, outline[(k + 1) % outline.len()]].map(|local| cell.nodes[local]);
-                all.push(([a.min(b), a.max(b)], index, [a, b]));
-            }
-        }
-        all.sort_unstable();
-        let once = all.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
-        Self::new(mesh, nodes, once.map(|same| (same[0].1, same[0].2)))
+        Self::new(mesh, nodes, mesh.boundary_edges().into_iter().map(|edge| (edge.cell, edge.nodes)))
     }
 
     /// Whether a cell has edges.

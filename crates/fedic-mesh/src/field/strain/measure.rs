@@ -5,6 +5,9 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+/// Step of the derivative of a strain with respect to the displacement gradient.
+const STEP: f64 = 1e-6;
+
 /// Strain measure of the reference configuration.
 ///
 /// `H` is the gradient of the displacement along the surface, `F = I + H` the deformation gradient.
@@ -58,6 +61,27 @@ impl StrainMeasure {
             Self::GreenLagrange => green_lagrange(small, gradient),
             Self::Hencky => hencky(green_lagrange(small, gradient)),
         }
+    }
+}
+
+impl StrainMeasure {
+    /// Derivative of the strain: entry `[s][a][b]` is that of component `s` with respect to `gradient[a][b]`. By central differences, to
+    /// about 1e-9.
+    #[must_use]
+    pub fn derivative(self, gradient: &[[f64; 2]; 3]) -> [[[f64; 2]; 3]; 3] {
+        let mut derivative = [[[0.0; 2]; 3]; 3];
+        for a in 0..3 {
+            for b in 0..2 {
+                let strain = |step: f64| {
+                    let mut moved = *gradient;
+                    moved[a][b] += step;
+                    self.of_gradient(&moved)
+                };
+                let (up, down) = (strain(STEP), strain(-STEP));
+                (0..3).for_each(|s| derivative[s][a][b] = (up[s] - down[s]) / (2.0 * STEP));
+            }
+        }
+        derivative
     }
 }
 

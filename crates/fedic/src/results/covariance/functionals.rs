@@ -1,6 +1,6 @@
-//! Covariance of linear functions of the displacement: at points, of displacement gradients, and any other.
+//! Covariance of functions of the displacement: at points, of strains to first order, and of any linear function.
 
-use fedic_mesh::{Locator, shape_values, surface_gradients};
+use fedic_mesh::{Locator, MAX_NODES, StrainMeasure, shape_values, surface_gradients};
 use fedic_sparse::SpdFactor;
 use rayon::prelude::*;
 
@@ -10,27 +10,28 @@ use crate::{Error, Monitor, PLANE};
 
 /// Number of functions solved for at once.
 const BATCH: usize = 16;
-/// Components of the displacement gradient: derivatives of the first component along both axes, then of the second.
-pub(crate) const GRADIENT: usize = PLANE * 2;
+/// Components of a strain.
+const STRAIN: usize = 3;
 
 /// Weights of the nodes in a linear function of the displacement.
 type Weights = Vec<(u32, [f64; PLANE])>;
 
 impl Covariance {
-    /// Covariance of the displacement gradient at the centre of each cell: `du/dx`, `du/dy`, `dv/dx`, `dv/dy` along the local axes of
+    /// Covariance of the strain at the centre of each cell, to first order in the noise: `e_11`, `e_22`, `e_12` along the local axes of
     /// the surface. NaN if a node of the cell is not determined.
-    pub fn cell_gradients(&self) -> Vec<[[f64; GRADIENT]; GRADIENT]> {
+    pub fn cell_strains(&self, measure: StrainMeasure) -> Vec<[[f64; STRAIN]; STRAIN]> {
         let mesh = &self.dofs.mesh;
         let of_cell = |index: usize| {
             let cell = mesh.cell(index);
-            let slopes = surface_gradients(cell.cell_type, &mesh.cell_points(index), cell.cell_type.reference_centre());
-            let mut covariance = [[0.0; GRADIENT]; GRADIENT];
-            for (a, &row) in cell.nodes.iter().enumerate() {
-                for (b, &column) in cell.nodes.iter().enumerate() {
+            let weights = self.strain_weights(index, cell.cell_type.reference_centre(), measure);
+            let mut covariance = [[0.0; STRAIN]; STRAIN];
+            for (&row, left) in cell.nodes.iter().zip(&weights) {
+                for (&column, right) in cell.nodes.iter().zip(&weights) {
                     let block = self.block(row, column);
-                    for (p, sums) in covariance.iter_mut().enumerate() {
-                        for (q, sum) in sums.iter_mut().enumerate() {
-                            *sum += slopes.shape[a][p % 2] * block[p / 2][q / 2] * slopes.shape[b][q % 2];
+                    for (s, sums) in covariance.iter_mut().enumerate() {
+                        for (t, sum) in sums.iter_mut().enumerate() {
+                            let terms = (0..PLANE).flat_map(|d| (0..PLANE).map(move |e| (d, e)));
+                            *sum += terms.map(|(d, e)| left[s][d] * block[d][e] * right[t][e]).sum::<f64>();
                         }
                     }
                 }
@@ -38,6 +39,29 @@ impl Covariance {
             covariance
         };
         (0..mesh.num_cells()).into_par_iter().map(of_cell).collect()
+    }
+
+    /// Derivative of the strain at a reference point of a cell with respect to the displacement of each of its nodes.
+    fn strain_weights(
+        &self,
+        index: usize,
+        at: [f64; 2],
+        measure: StrainMeasure,
+    ) -> [[[f64; PLANE]; STRAIN]; MAX_NODES] {
+        let mesh = &self.dofs.mesh;
+        let cell = mesh.cell(index);
+        let surface = surface_gradients(cell.cell_type, &mesh.cell_points(index), at);
+        let gradient = surface.of_vectors(cell.nodes.iter().map(|&node| self.displacement[node as usize]));
+        let derivative = measure.derivative(&gradient);
+        let of_node = |slope: [f64; 2]| {
+            std::array::from_fn(|s| {
+                std::array::from_fn(|d| {
+                    let along = |a: usize| derivative[s][a][0] * slope[0] + derivative[s][a][1] * slope[1];
+                    surface.axes.iter().enumerate().map(|(a, axis)| axis[d] * along(a)).sum()
+                })
+            })
+        };
+        surface.shape.map(of_node)
     }
 
     /// Covariance of the displacement at points of the `(x, y)` plane, one by one; NaN outside the mesh.
@@ -67,33 +91,31 @@ impl Covariance {
         Ok(found.iter().map(of_point).collect())
     }
 
-    /// Covariance of the mean displacement gradient over points of the `(x, y)` plane, in the order of
-    /// [`cell_gradients`](Self::cell_gradients); NaN if a point lies outside the mesh.
+    /// Covariance of the mean strain over points of the `(x, y)` plane, as that of [`cell_strains`](Self::cell_strains); NaN if a point
+    /// lies outside the mesh.
     ///
     /// # Errors
     ///
     /// [`Error::Cancelled`] if `monitor` asks to stop.
-    pub fn mean_gradient(
+    pub fn mean_strain(
         &self,
         points: &[[f64; 2]],
+        measure: StrainMeasure,
         monitor: &dyn Monitor,
-    ) -> Result<[[f64; GRADIENT]; GRADIENT], Error> {
+    ) -> Result<[[f64; STRAIN]; STRAIN], Error> {
         let mesh = &self.dofs.mesh;
         let locator = Locator::new(mesh);
-        let mut functions: [Weights; GRADIENT] = Default::default();
+        let mut functions: [Weights; STRAIN] = Default::default();
         for &point in points {
-            let Some((cell, at)) = locator.find(point) else { return Ok([[f64::NAN; GRADIENT]; GRADIENT]) };
-            let nodes = mesh.cell_points(cell);
-            let cell = mesh.cell(cell);
-            let slopes = surface_gradients(cell.cell_type, &nodes, at).shape;
-            for (p, function) in functions.iter_mut().enumerate() {
-                let weight =
-                    |slope: f64| std::array::from_fn(|d| if d == p / 2 { slope / points.len() as f64 } else { 0.0 });
-                function.extend(cell.nodes.iter().zip(slopes).map(|(&node, slope)| (node, weight(slope[p % 2]))));
+            let Some((cell, at)) = locator.find(point) else { return Ok([[f64::NAN; STRAIN]; STRAIN]) };
+            let weights = self.strain_weights(cell, at, measure);
+            for (s, function) in functions.iter_mut().enumerate() {
+                let of_point = |weights: &[[f64; PLANE]; STRAIN]| weights[s].map(|weight| weight / points.len() as f64);
+                function.extend(mesh.cell(cell).nodes.iter().zip(&weights).map(|(&node, w)| (node, of_point(w))));
             }
         }
-        let block = self.blocks_of(&functions, GRADIENT, monitor)?.pop().unwrap_or_default();
-        Ok(std::array::from_fn(|i| std::array::from_fn(|j| block[i * GRADIENT + j])))
+        let block = self.blocks_of(&functions, STRAIN, monitor)?.pop().unwrap_or_default();
+        Ok(std::array::from_fn(|i| std::array::from_fn(|j| block[i * STRAIN + j])))
     }
 
     /// Covariance of linear functions of the displacement, row after row; each is given by a weight of every component of every node.

@@ -52,6 +52,8 @@ pub struct Covariance {
     noise: SymmetricMatrix,
     /// `A^-1 (2 noise^2 B) A^-1` on the pattern of `A`, of the increment in the reference configuration.
     covariance: SymmetricMatrix,
+    /// Displacement near which it was predicted.
+    displacement: Vec<[f64; PLANE]>,
     /// Deformation gradient of each node.
     gradients: Vec<Tensor<PLANE>>,
     /// Nodes that no point determines.
@@ -116,7 +118,9 @@ impl Covariance {
         };
         let gradients = NodalDeformation::of(&dofs.mesh, displacement).gradients().to_vec();
         let dofs = Arc::clone(dofs);
-        Ok(Self { dofs, hessian, noise: scaled, covariance, gradients, undetermined, factor: OnceLock::new() })
+        let displacement = displacement.to_vec();
+        let factor = OnceLock::new();
+        Ok(Self { dofs, hessian, noise: scaled, covariance, displacement, gradients, undetermined, factor })
     }
 
     /// Covariance of the displacement of each node, in the square of the mesh's unit; NaN at nodes that no point determines.

@@ -11,7 +11,7 @@ use crate::observation::photometry::Moments;
 use crate::observation::workspace::Workspace;
 use crate::parallel::for_each_in_order;
 use crate::projection::cell_projection::CellProjection;
-use crate::projection::projected_points::project_nodes;
+use crate::projection::projected_points::{ProjectedPoint, project_nodes};
 use crate::{Error, Monitor, Robust};
 
 impl<'a, const D: usize> ImageTerm<'a, D> {
@@ -47,29 +47,38 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
         let contrast = all.std_f();
         let light = light.map(|system| LightField::uniform(system, contrast, self.gain_offset()));
         let robust = robust.map(|(function, neighbours)| RobustWeights::new(function, neighbours, contrast));
-        // The scale of the residuals is that after the correction by the light.
-        let passes = usize::from(light.is_some()) + usize::from(robust.is_some());
-        self.adaptive = Adaptive::new(light, robust);
         let nodes = project_nodes(self.mesh, self.observation.camera.as_ref(), Some(displacement));
-        for _ in 0..passes {
-            let mut all = self.adaptive.all_found();
-            for_each_in_order(
-                0..self.mesh.num_cells(),
-                monitor,
-                |workspace: &mut Workspace<D>, _, cell| {
-                    let next = CellPrefetch::new(self.deformed, self.mesh, Some(cell + 1), &nodes);
-                    let projection = CellProjection::new(self.mesh, cell, &nodes, self.observation.camera.as_ref());
-                    let context = self.context(cell, projection);
-                    let exclusion = self.exclusion(cell, &nodes);
-                    let read =
-                        read_deformed(self.observation, self.deformed, workspace, &context, exclusion, next.as_ref());
-                    (self.adapted(workspace, &context, &read).found, read.moments.weight)
-                },
-                |cell, (found, weight)| self.adaptive.add(&mut all, cell, found, weight),
-            )?;
-            self.adaptive.take(all, false)?;
+        self.adaptive = Adaptive::new(light, None);
+        if self.adaptive.light.is_some() {
+            self.find(&nodes, monitor)?;
+        }
+        if robust.is_some() {
+            // The scale of the residuals is that after the correction by the light.
+            (self.adaptive.robust, self.adaptive.keeps_light) = (robust, true);
+            self.find(&nodes, monitor)?;
+            self.adaptive.keeps_light = false;
         }
         Ok(())
+    }
+
+    /// Finds light and scales in one pass over the deformed image, without the equations.
+    fn find(&mut self, nodes: &[ProjectedPoint], monitor: &dyn Monitor) -> Result<(), Error> {
+        let mut all = self.adaptive.all_found();
+        for_each_in_order(
+            0..self.mesh.num_cells(),
+            monitor,
+            |workspace: &mut Workspace<D>, _, cell| {
+                let next = CellPrefetch::new(self.deformed, self.mesh, Some(cell + 1), nodes);
+                let projection = CellProjection::new(self.mesh, cell, nodes, self.observation.camera.as_ref());
+                let context = self.context(cell, projection);
+                let exclusion = self.exclusion(cell, nodes);
+                let read =
+                    read_deformed(self.observation, self.deformed, workspace, &context, exclusion, next.as_ref());
+                (self.adapted(workspace, &context, &read).found, read.moments.weight)
+            },
+            |cell, (found, weight)| self.adaptive.add(&mut all, cell, found, weight),
+        )?;
+        Ok(self.adaptive.take(all, false)?)
     }
 
     pub(super) fn adapted(

@@ -33,6 +33,8 @@ const CHANGE_OF_KEPT: f64 = 0.01;
 pub(crate) struct Adaptive<'a> {
     pub(crate) light: Option<LightField<'a>>,
     pub(crate) robust: Option<RobustWeights<'a>>,
+    /// Whether the light stays as it is although the weights do not.
+    pub(super) keeps_light: bool,
     frozen: bool,
     passes: usize,
     light_change: f64,
@@ -79,6 +81,7 @@ impl<'a> Adaptive<'a> {
         Self {
             light,
             robust,
+            keeps_light: false,
             frozen: false,
             passes: 0,
             light_change: 0.0,
@@ -98,6 +101,10 @@ impl<'a> Adaptive<'a> {
     /// Whether there is neither light nor weights to be found.
     pub(crate) fn is_empty(&self) -> bool {
         self.light.is_none() && self.robust.is_none()
+    }
+
+    fn fits_light(&self) -> bool {
+        self.light.is_some() && !self.frozen && !self.keeps_light
     }
 
     pub(crate) fn is_dropped(&self, cell: usize) -> bool {
@@ -213,24 +220,21 @@ impl<'a> Adaptive<'a> {
         let [f, ff] = cell_moments(context, shapes, samples.value, weights, weight, level);
         let [g, gg] = cell_moments(context, shapes, &buffers.grey, weights, weight, level);
         let [weight, f, ff, g, gg] = [weight, f, ff, g, gg].map(|sum| samples.scale * sum);
-        if self.light.is_some() && !self.frozen && !self.is_dropped(cell) {
+        if self.fits_light() && !self.is_dropped(cell) {
             let shape = PolynomialBasis::of(context.cell_type).shape_monomials();
             let weighted = &mut workspace.weighted;
-            let mut share =
-                LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()), weight, squares: 0.0 };
+            let mut share = LightShare { sums: Default::default(), matrix: CellMatrix::zeros(nodes.len()) };
             context.for_each_chunk(shapes, |chunk, points| {
                 let q = [&buffers.scaled[points.clone()], chunk.ones()];
                 let weights = &buffers.weights[points.clone()];
                 share.matrix.add(chunk, q, weights);
                 let reference = &samples.value[points];
                 // The residual against a zero image is the grey level.
-                let grey = |reference| GreyLevels { reference, deformed: reference, weights, gain_offset: [0.0; 2] };
+                let grey = GreyLevels { reference, deformed: reference, weights, gain_offset: [0.0; 2] };
                 let weighted = &mut weighted[..chunk.padded()];
-                share.squares += weighted_residuals(grey(q[0]), weighted);
-                weighted_residuals(grey(reference), weighted);
+                weighted_residuals(grey, weighted);
                 add_node_sums(shape, chunk, q, weighted, &mut share.sums);
             });
-            share.squares *= samples.scale;
             share.matrix.scale(samples.scale);
             share.sums.as_flattened_mut().iter_mut().for_each(|sum| *sum *= samples.scale);
             found.light = Some(share);
@@ -240,7 +244,7 @@ impl<'a> Adaptive<'a> {
 
     /// Sums without any cell.
     pub(crate) fn all_found(&self) -> AllFound {
-        let light = if self.frozen { None } else { self.light.as_ref().map(|light| light.system().sums()) };
+        let light = self.light.as_ref().filter(|_| self.fits_light()).map(|light| light.system().sums());
         AllFound { light, residuals: Vec::new(), weights: Vec::new(), damaged: Vec::new(), kept: 0.0, weight: 0.0 }
     }
 

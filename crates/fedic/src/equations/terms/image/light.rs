@@ -31,8 +31,6 @@ pub(crate) struct LightSystem {
 pub(crate) struct LightSums {
     matrix: SymmetricMatrix,
     right_hand_side: Vec<f64>,
-    weight: f64,
-    squares: f64,
 }
 
 /// Share of one cell.
@@ -41,9 +39,6 @@ pub(crate) struct LightShare {
     pub(crate) sums: [[f64; LIGHT]; MAX_NODES],
     /// `sum w (N^T (s, 1)) (N^T (s, 1))^T`.
     pub(crate) matrix: CellMatrix<LIGHT>,
-    pub(crate) weight: f64,
-    /// `sum w s^2`.
-    pub(crate) squares: f64,
 }
 
 /// Light of one deformed image: `g~ = gain s + offset` with `s = g / unit`.
@@ -75,12 +70,7 @@ impl LightSystem {
 
     /// Sums without any point.
     pub(crate) fn sums(&self) -> LightSums {
-        LightSums {
-            matrix: SymmetricMatrix::zeros(&self.pattern),
-            right_hand_side: vec![0.0; self.pattern.num_dofs()],
-            weight: 0.0,
-            squares: 0.0,
-        }
+        LightSums { matrix: SymmetricMatrix::zeros(&self.pattern), right_hand_side: vec![0.0; self.pattern.num_dofs()] }
     }
 
     /// Adds the share of a cell.
@@ -90,8 +80,6 @@ impl LightSystem {
         for (&node, sums) in self.pattern.cell(cell).iter().zip(&share.sums) {
             all[node as usize].iter_mut().zip(sums).for_each(|(b, sum)| *b += sum);
         }
-        sums.weight += share.weight;
-        sums.squares += share.squares;
     }
 }
 
@@ -141,20 +129,26 @@ impl<'a> LightField<'a> {
     ///
     /// [`SolveError::TooLarge`] if the factor does not fit in memory.
     pub(crate) fn fit(&mut self, sums: LightSums) -> Result<f64, SolveError> {
-        let LightSums { mut matrix, right_hand_side: mut increment, weight, squares } = sums;
+        let LightSums { mut matrix, right_hand_side: mut increment } = sums;
         let LightSystem { pattern, cholesky, laplacian, squared_length } = self.system;
-        if weight <= 0.0 {
+        let num_nodes = pattern.num_nodes();
+        // The shape functions add up to one: `sum w s^2` and `sum w`.
+        let densities: [f64; LIGHT] = std::array::from_fn(|c| {
+            let unit: Vec<f64> = (0..LIGHT * num_nodes).map(|dof| f64::from(dof % LIGHT == c)).collect();
+            matrix.quadratic_form(pattern, &unit) / laplacian.area
+        });
+        if densities[1] <= 0.0 {
             return Ok(0.0);
         }
-        let uniform: Vec<f64> = std::iter::repeat_n(self.uniform, pattern.num_nodes()).flatten().collect();
+        let uniform: Vec<f64> = std::iter::repeat_n(self.uniform, num_nodes).flatten().collect();
         let known = matrix.multiply(pattern, &uniform);
         increment.iter_mut().zip(known).for_each(|(b, known)| *b -= known);
         // Each unknown is smoothed relative to the weight that the points give it.
-        let [gain, offset] = [squares, weight].map(|sum| (sum / laplacian.area).sqrt());
-        let blocks = vec![[[gain, 0.0], [0.0, offset]]; pattern.num_nodes()];
+        let [gain, offset] = densities.map(f64::sqrt);
+        let blocks = vec![[[gain, 0.0], [0.0, offset]]; num_nodes];
         matrix.add_congruent(pattern, *squared_length, &laplacian.matrix, &blocks);
-        let ridge = RIDGE * weight / pattern.num_nodes() as f64;
-        (0..pattern.num_nodes()).for_each(|node| matrix.add_to_node_diagonal(pattern, node, ridge));
+        let ridge = RIDGE * densities[1] * laplacian.area / num_nodes as f64;
+        (0..num_nodes).for_each(|node| matrix.add_to_node_diagonal(pattern, node, ridge));
         let too_large = |_| SolveError::TooLarge { dofs: pattern.num_dofs() };
         cholesky.factorize(&matrix).map_err(too_large)?.solve(&mut increment);
         let mut change = 0.0_f64;
