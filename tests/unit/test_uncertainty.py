@@ -58,10 +58,10 @@ def border_factors(mesh: fedic.Mesh, pixels: np.ndarray, cells: np.ndarray, smoo
     return factors
 
 
-def dense_deviations(
+def dense_covariance(
     image: np.ndarray, mesh: fedic.Mesh, camera: object, quadrature: object, noise: float, smoothing: float = 0.0
 ) -> np.ndarray:
-    """Return the standard deviations from dense matrices, for a mesh in a plane."""
+    """Return the covariance of all nodes from dense matrices, for a mesh in a plane."""
     rule, density = ("pixel", 1.0) if quadrature is PIXELS else (quadrature.rule, quadrature.density)  # type: ignore[attr-defined]
     core = _core.Correlator(image, mesh, camera, quadrature=(rule, density))  # type: ignore[arg-type]
     points, weights, _ = core.quadrature_points()
@@ -88,7 +88,15 @@ def dense_deviations(
     q, h = rows(image), rows(smooth)
     inverse = np.linalg.inv(q.T @ (weights[:, None] * q))
     gathered = h.T @ ((weights**2 / pixels)[:, None] * h)
-    variances = 2 * noise**2 * np.diag(inverse @ gathered @ inverse)
+    covariance: np.ndarray = 2 * noise**2 * inverse @ gathered @ inverse
+    return covariance
+
+
+def dense_deviations(
+    image: np.ndarray, mesh: fedic.Mesh, camera: object, quadrature: object, noise: float, smoothing: float = 0.0
+) -> np.ndarray:
+    """Return the standard deviations from dense matrices, for a mesh in a plane."""
+    variances = np.diag(dense_covariance(image, mesh, camera, quadrature, noise, smoothing))
     deviations: np.ndarray = np.sqrt(variances).reshape(-1, 2)
     return deviations
 
@@ -284,6 +292,24 @@ def test_functions_of_the_displacement_have_the_covariance_of_points_and_nodes()
     assert np.isnan(covariance.at([[0.0, 0.0]])).all()
     with pytest.raises(fedic.OptionError, match="weights has shape"):
         covariance.of(turned)
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quad", "quad8"])
+def test_strains_agree_with_dense_matrices(cell: str) -> None:
+    image, mesh = speckle().astype(np.float32), shaken_mesh(cell)
+    core = _core.Correlator(image, mesh, fedic.ImageFrame(), **BARE)
+    dense = dense_covariance(image, mesh, fedic.ImageFrame(), DENSE, 3.0)
+    found = core.covariance(3.0).cell_strains("small")
+    for index, nodes in list(enumerate(mesh.cells[cell]))[:: max(1, mesh.num_cells // 6)]:
+        rows = []
+        for node in nodes:
+            for component in range(2):
+                unit = np.zeros((mesh.num_nodes, 2))
+                unit[node, component] = 1.0
+                rows.append(mesh.strains(unit, "small").components[index])
+        dofs = (2 * nodes[:, None] + np.arange(2)).ravel()
+        expected = np.transpose(rows) @ dense[np.ix_(dofs, dofs)] @ np.array(rows)
+        np.testing.assert_allclose(found[index], expected, rtol=1e-3, atol=1e-4 * expected.max())
 
 
 @pytest.mark.parametrize("measure", ["green-lagrange", "hencky", "small"])
