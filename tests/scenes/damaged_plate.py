@@ -111,3 +111,12 @@ def hidden_shares(mesh: fedic.Mesh, scene: Damaged) -> Floats:
             inside &= along * (v - y) - down * (u - x) >= 0
         shares.append(hidden[v[inside], u[inside]].mean() if inside.any() else 0.0)
     return np.array(shares)
+
+
+def good_nodes(mesh: fedic.Mesh, shares: Floats) -> NDArray[np.bool_]:
+    """Return the nodes of cells without any hidden point."""
+    good = np.ones(mesh.num_nodes, dtype=bool)
+    nodes = [each for block in mesh.cells.values() for each in block]
+    for cell in np.flatnonzero(shares > 0.0):
+        good[nodes[cell]] = False
+    return good

@@ -6,29 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import fedic
-from scenes.damaged_plate import LINE, NOISE, OPENING, Damaged, damaged, hidden_shares
+from scenes.damaged_plate import LINE, NOISE, OPENING, Damaged, damaged, good_nodes, hidden_shares
 
 BOUNDS = (79.5, 79.5, 239.5, 239.5)
 CELLS = {"quad": 16.0, "triangle": 16.0, "triangle6": 32.0, "quad8": 32.0, "quad9": 32.0}
-FACTORS = {"clean": 1.15, "chips": 1.35, "crack": 1.35, "shadow": 1.9}
+FACTORS = {"clean": 1.1, "chips": 1.1, "crack": 1.1, "shadow": 1.3}
 """Largest error, root mean square, in predicted standard deviations."""
+SHADOW_OF_QUADRATIC = 1.7
+"""The same of a shadow in cells of 32 px, whose light is less smooth than they can follow."""
 
 
 def measured(scene: Damaged, mesh: fedic.Mesh, **options: object) -> fedic.Result:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fedic.QualityWarning)
         return fedic.correlate(scene.reference, scene.deformed, mesh, **options)  # type: ignore[arg-type]
-
-
-def good_nodes(mesh: fedic.Mesh, shares: NDArray[np.float64]) -> NDArray[np.bool_]:
-    good = np.ones(mesh.num_nodes, dtype=bool)
-    nodes = [each for block in mesh.cells.values() for each in block]
-    for cell in np.flatnonzero(shares > 0.0):
-        good[nodes[cell]] = False
-    return good
 
 
 @pytest.mark.parametrize("kind", FACTORS)
@@ -45,7 +38,8 @@ def test_good_nodes_are_as_accurate_as_predicted_and_damage_is_flagged(kind: str
     assert np.isfinite(error[good]).all()
     predicted = np.linalg.norm(result.standard_deviations(), axis=1)
     ratio = np.sqrt(np.mean(error[good] ** 2) / np.mean(predicted[good] ** 2))
-    assert ratio <= FACTORS[kind], ratio
+    is_wide = kind == "shadow" and CELLS[cell] > 20.0
+    assert ratio <= (SHADOW_OF_QUADRATIC if is_wide else FACTORS[kind]), ratio
     flagged = result.quality.cell_flags != 0
     if kind == "chips":
         assert flagged[shares > 0.25].all()

@@ -159,8 +159,9 @@ impl<const D: usize> Level<D> {
                     let trace = energies.iter().map(|(trace, _)| trace).sum();
                     laplacian.factor_of_wavelength::<D>(mesh, camera, trace, *wavelength)
                 }
-                Smoothing::Curvature(curvature) => curvature.factor(dofs, &hessian, factorize)?,
-                Smoothing::Gap(gap) => gap.factor(dofs, &hessian, factorize)?,
+                Smoothing::Curvature(Curvature { waves, matrix }) | Smoothing::Gap(Gap { waves, matrix, .. }) => {
+                    waves.factor(dofs, &hessian, matrix, factorize)?
+                }
             };
             hessian.add_scaled(factor, smoothing.matrix());
             penalty = Some((smoothing, factor));

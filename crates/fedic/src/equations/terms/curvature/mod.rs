@@ -8,7 +8,7 @@ mod patch_matrix;
 
 use fedic_camera::Camera;
 use fedic_mesh::Mesh;
-use fedic_sparse::{Factor, SymmetricMatrix};
+use fedic_sparse::SymmetricMatrix;
 use nalgebra::{DMatrix, DVector};
 
 use self::frame::in_tangent_plane;
@@ -17,14 +17,14 @@ use super::halved_waves::{Energies, HalvedWaves, PenalisedWaves, Polarization, W
 use crate::equations::dofs::Dofs;
 use crate::equations::patches::{Patch, shares};
 use crate::parallel::for_each_in_order;
-use crate::{Error, Monitor, SolveError};
+use crate::{Error, Monitor};
 
 /// Matrix of the squared second derivatives, and what waves cost.
 #[derive(Debug, Clone)]
 pub(crate) struct Curvature {
     /// `R`, the same for each component.
     pub(crate) matrix: SymmetricMatrix,
-    waves: PenalisedWaves,
+    pub(crate) waves: PenalisedWaves,
 }
 
 impl Curvature {
@@ -61,21 +61,6 @@ impl Curvature {
         )?;
         let energies = energies.over(energies.area());
         Ok(Self { matrix, waves: waves.costing(energies) })
-    }
-
-    /// Factor of the penalty that halves the amplitude of a wave of the stated length, in the mean over directions, phases and
-    /// components.
-    ///
-    /// # Errors
-    ///
-    /// Those of `factorize`, which factorises a Hessian with a penalty.
-    pub(crate) fn factor<const D: usize>(
-        &self,
-        dofs: &Dofs<D>,
-        hessian: &SymmetricMatrix,
-        factorize: impl FnOnce(&SymmetricMatrix) -> Result<Factor, SolveError>,
-    ) -> Result<f64, SolveError> {
-        self.waves.factor(dofs, hessian, &self.matrix, factorize)
     }
 }
 

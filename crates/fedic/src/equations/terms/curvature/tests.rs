@@ -153,7 +153,8 @@ fn system(dofs: &Dofs<1>, length: f64) -> Factor {
     let cholesky = Cholesky::new(&dofs.pattern, dofs.mesh.points()).unwrap();
     let factorize = |system: &SymmetricMatrix| Ok(cholesky.factorize(system).unwrap());
     let mut system = hessian.clone();
-    system.add_scaled(curvature.factor(dofs, &hessian, factorize).unwrap(), &curvature.matrix);
+    let factor = curvature.waves.factor(dofs, &hessian, &curvature.matrix, factorize).unwrap();
+    system.add_scaled(factor, &curvature.matrix);
     cholesky.factorize(&system).unwrap()
 }
 

@@ -12,13 +12,13 @@ mod rows;
 mod stiffness;
 
 use fedic_camera::Camera;
-use fedic_sparse::{Factor, SymmetricMatrix};
+use fedic_sparse::SymmetricMatrix;
 
 use self::rows::ForceRows;
 use super::halved_waves::{Energies, HalvedWaves, PenalisedWaves, Polarization};
 use crate::equations::dofs::Dofs;
 use crate::parallel::for_each_in_order;
-use crate::{Error, Monitor, OptionError, PLANE, SolveError};
+use crate::{Error, Monitor, OptionError, PLANE};
 
 /// Matrix of the squared internal forces, and what shear waves cost.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub(crate) struct Gap {
     pub(crate) matrix: SymmetricMatrix,
     /// For each node, whether its internal force is penalised.
     pub(crate) penalised: Vec<bool>,
-    waves: PenalisedWaves,
+    pub(crate) waves: PenalisedWaves,
 }
 
 impl Gap {
@@ -70,20 +70,6 @@ impl Gap {
         )?;
         let energies = energies.over(area);
         Ok(Self { matrix, penalised, waves: waves.costing(energies) })
-    }
-
-    /// Factor of the penalty that halves the amplitude of a shear wave of the stated length, in the mean over directions and phases.
-    ///
-    /// # Errors
-    ///
-    /// Those of `factorize`, which factorises a Hessian with a penalty.
-    pub(crate) fn factor<const D: usize>(
-        &self,
-        dofs: &Dofs<D>,
-        hessian: &SymmetricMatrix,
-        factorize: impl FnOnce(&SymmetricMatrix) -> Result<Factor, SolveError>,
-    ) -> Result<f64, SolveError> {
-        self.waves.factor(dofs, hessian, &self.matrix, factorize)
     }
 }
 

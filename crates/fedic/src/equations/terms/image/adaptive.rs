@@ -201,7 +201,7 @@ impl<'a> Adaptive<'a> {
             for ((r, f), g) in residuals.iter_mut().zip(samples.value).zip(buffers.grey.iter()) {
                 *r = f - (gain * g + offset);
             }
-            let base = Some(&buffers.weights[..count]);
+            let base = &buffers.weights[..count];
             let mut new = None;
             if !self.frozen {
                 found.residuals = Some(robust.residuals_of(cell, residuals, base));

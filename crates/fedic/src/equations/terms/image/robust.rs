@@ -156,12 +156,10 @@ impl<'a> RobustWeights<'a> {
     }
 
     /// Weights of the points of a cell with these residuals; `None` if no point is an outlier. Points of weight zero do not count.
-    pub(crate) fn of_residuals(&self, cell: usize, residuals: &[f32], base: Option<&[f32]>) -> Option<Box<[f32]>> {
+    pub(crate) fn of_residuals(&self, cell: usize, residuals: &[f32], base: &[f32]) -> Option<Box<[f32]>> {
         let scale = *self.scales.get(cell)?;
         let inverse = 1.0 / scale;
-        let outlier = |(k, r): (usize, &f32)| {
-            ((r - self.centre) * inverse).abs() > OUTLIER && base.is_none_or(|base| base[k] > 0.0)
-        };
+        let outlier = |(k, r): (usize, &f32)| ((r - self.centre) * inverse).abs() > OUTLIER && base[k] > 0.0;
         if !residuals.iter().enumerate().any(outlier) {
             return None;
         }
@@ -173,13 +171,13 @@ impl<'a> RobustWeights<'a> {
         &self,
         cell: usize,
         residuals: &[f32],
-        base: Option<&[f32]>,
+        base: &[f32],
         weights: Option<&[f32]>,
     ) -> Option<WeighedCell> {
         let (weights, scale) = (weights?, *self.scales.get(cell)?);
         let [mut total, mut kept, mut slope, mut power, mut squared] = [0.0; 5];
         for (k, (&r, &weight)) in residuals.iter().zip(weights).enumerate() {
-            let own = base.map_or(1.0, |base| f64::from(base[k]));
+            let own = f64::from(base[k]);
             let residual = r - self.centre;
             total += own;
             kept += own * f64::from(weight);
@@ -191,13 +189,13 @@ impl<'a> RobustWeights<'a> {
     }
 
     /// Median residuals of a cell, of some of its points; NaN for a cell that is left out.
-    pub(crate) fn residuals_of(&self, cell: usize, residuals: &[f32], base: Option<&[f32]>) -> CellResiduals {
+    pub(crate) fn residuals_of(&self, cell: usize, residuals: &[f32], base: &[f32]) -> CellResiduals {
         let nan = CellResiduals { median: f32::NAN, deviation: f32::NAN };
         if self.dropped[cell] {
             return nan;
         }
         let step = residuals.len().div_ceil(SAMPLES).max(1);
-        let used = (0..residuals.len()).step_by(step).filter(|&k| base.is_none_or(|base| base[k] > 0.0));
+        let used = (0..residuals.len()).step_by(step).filter(|&k| base[k] > 0.0);
         let mut taken: Vec<f32> = used.map(|k| residuals[k]).collect();
         if taken.is_empty() {
             return nan;
@@ -272,21 +270,22 @@ mod tests {
         let neighbours = CellNeighbours::new(&mesh);
         assert_eq!(neighbours.of(4).len(), 9);
         let mut weights = RobustWeights::new(Robust::Tukey, &neighbours, 1.0);
+        let ones = vec![1.0; 100];
         let residuals: Vec<f32> = (0..100).map(|k| ((k * 37 % 100) as f32 - 49.5) / 30.0).collect();
-        assert!(weights.of_residuals(0, &residuals, None).is_none());
-        let of_cells = vec![weights.residuals_of(0, &residuals, None); 9];
+        assert!(weights.of_residuals(0, &residuals, &ones).is_none());
+        let of_cells = vec![weights.residuals_of(0, &residuals, &ones); 9];
         (0..3).for_each(|_| weights.tighten());
         assert!(weights.is_strict());
         weights.rescale(&of_cells);
-        assert!(weights.of_residuals(0, &residuals, None).is_none());
+        assert!(weights.of_residuals(0, &residuals, &ones).is_none());
         let mut outlier = residuals.clone();
         outlier[7] = 20.0;
-        let found = weights.of_residuals(0, &outlier, None).unwrap();
+        let found = weights.of_residuals(0, &outlier, &ones).unwrap();
         assert!(found[7] == 0.0 && found[8] > 0.5);
         let mut base = vec![1.0; 100];
         base[7] = 0.0;
-        assert!(weights.of_residuals(0, &outlier, Some(&base)).is_none());
-        let effect = weights.effect(0, &outlier, None, Some(&found)).unwrap();
+        assert!(weights.of_residuals(0, &outlier, &base).is_none());
+        let effect = weights.effect(0, &outlier, &ones, Some(&found)).unwrap();
         assert!(effect.kept > 0.8 && effect.kept < 0.95 && effect.slope < effect.kept);
     }
 
@@ -296,6 +295,6 @@ mod tests {
         let neighbours = CellNeighbours::new(&mesh);
         let mut weights = RobustWeights::new(Robust::Huber, &neighbours, 1.0);
         assert_eq!((weights.drop_cells([1]), weights.drop_cells([1])), (1, 0));
-        assert!(weights.is_dropped(1) && weights.residuals_of(1, &[1.0, 2.0], None).median.is_nan());
+        assert!(weights.is_dropped(1) && weights.residuals_of(1, &[1.0, 2.0], &[1.0, 1.0]).median.is_nan());
     }
 }

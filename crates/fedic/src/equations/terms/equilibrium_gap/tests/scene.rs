@@ -76,7 +76,7 @@ impl System {
         let dofs = Dofs::with_stars(mesh).unwrap();
         let gap = Gap::new(&dofs, camera, &EquilibriumGap { law, free_nodes }, length, &()).unwrap();
         Self::new(dofs, gap.matrix.clone(), |dofs, hessian, cholesky| {
-            gap.factor(dofs, hessian, |system| Ok(cholesky.factorize(system).unwrap())).unwrap()
+            gap.waves.factor(dofs, hessian, &gap.matrix, |system| Ok(cholesky.factorize(system).unwrap())).unwrap()
         })
     }
 
@@ -84,7 +84,10 @@ impl System {
         let dofs = Dofs::with_patches(mesh).unwrap();
         let curvature = Curvature::new(&dofs, &ImageFrame, length, &()).unwrap();
         Self::new(dofs, curvature.matrix.clone(), |dofs, hessian, cholesky| {
-            curvature.factor(dofs, hessian, |system| Ok(cholesky.factorize(system).unwrap())).unwrap()
+            curvature
+                .waves
+                .factor(dofs, hessian, &curvature.matrix, |system| Ok(cholesky.factorize(system).unwrap()))
+                .unwrap()
         })
     }
 
