@@ -26,7 +26,7 @@ from fedic.io.kept import KeptImage
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback, core_callback
 from fedic.regularization.equilibrium_gap import Regularization, core_gap
-from fedic.results import Attempt, Iteration, Result
+from fedic.results import Attempt, Covariance, Iteration, Result
 from fedic.results.verdict import quality_of, warn_of_quality
 from fedic.starts.autocorrelation import may_repeat
 from fedic.starts.automatic import measure_from_any_start
@@ -328,8 +328,32 @@ class Correlator:
         These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The variances
         are entries of an inverse found by selected inversion: the cost is that of about six factorisations.
         """
-        nodes = self._core.covariance(noise, displacement).nodes()
-        return np.sqrt(np.diagonal(nodes, axis1=1, axis2=2))
+        return self.covariance(noise, displacement).standard_deviations
+
+    def covariance(self, noise: float, displacement: ArrayLike | None = None) -> Covariance:
+        """Predict the covariance of the displacement from the noise of the images, all points being used.
+
+        Parameters
+        ----------
+        noise : float
+            As for `standard_deviations`.
+        displacement : array_like, shape (n, 2), optional
+            As for `standard_deviations`.
+
+        Returns
+        -------
+        Covariance
+            Of the nodes, and of strains, gauges and points. `Result.covariance` is that of a measurement, in which
+            points may be left out.
+
+        Raises
+        ------
+        OptionError
+            If the noise is negative or not finite.
+        """
+        prediction = self._core.covariance(noise, displacement)
+        cells = np.ones(self._mesh.num_cells, dtype=bool)
+        return Covariance(self._mesh, noise, self._mesh.used_nodes, cells, prediction)
 
 
 @with_options(CORRELATION_OPTIONS)

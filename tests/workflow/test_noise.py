@@ -2,14 +2,15 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from typer.testing import CliRunner
 
 import fedic
 from fedic.cli import app
-from fedic.noise.prediction import strain_deviations
 from scenes.runs import contents, write_image
 from scenes.static import scene, shot
 
@@ -61,6 +62,11 @@ def test_nodes_that_are_not_measured_are_left_out_and_counted() -> None:
     assert np.isfinite(floor.std).all()
 
 
+def predicted_strains(image: NDArray[Any], size: float, **options: float) -> NDArray[np.float64]:
+    correlator = fedic.Correlator(image, fedic.rectangle_mesh(BOUNDS, size), **options)  # type: ignore[arg-type]
+    return correlator.covariance(2.0).strain_deviations("small")
+
+
 def test_predicted_strain_deviations_agree_with_the_scatter_of_many_pairs() -> None:
     mesh = fedic.rectangle_mesh(BOUNDS, 20.0)
     strains = []
@@ -68,17 +74,15 @@ def test_predicted_strain_deviations_agree_with_the_scatter_of_many_pairs() -> N
         pair = [fedic.synthetic.add_noise(scene(SHAPE), noise=2.0, seed=2 * seed + k) for k in range(2)]
         strains.append(fedic.correlate(*pair, mesh, initial="zero").strains("small").components)
     measured = np.std(strains, axis=0, ddof=1)
-    predicted = strain_deviations(scene(SHAPE).astype(np.float32), mesh, fedic.ImageFrame(), 2.0)
+    predicted = predicted_strains(scene(SHAPE).astype(np.float32), 20.0)
     ratio = np.sqrt((measured**2).mean(axis=0) / (predicted**2).mean(axis=0))
     np.testing.assert_allclose(ratio, 1.0, atol=0.06)
 
 
 def test_strains_are_predicted_on_fine_meshes_and_through_a_regularization() -> None:
-    image, mesh = shot(scene(SHAPE), 1), fedic.rectangle_mesh(BOUNDS, 20.0)
-    coarse, fine = (
-        strain_deviations(image, fedic.rectangle_mesh(BOUNDS, size), fedic.ImageFrame(), 2.0) for size in (20.0, 3.0)
-    )
-    smooth = strain_deviations(image, mesh, fedic.ImageFrame(), 2.0, {"regularization_length": 60.0})
+    image = shot(scene(SHAPE), 1)
+    coarse, fine = (predicted_strains(image, size) for size in (20.0, 3.0))
+    smooth = predicted_strains(image, 20.0, regularization_length=60.0)
     assert 20.0 * coarse.mean() < fine.mean() < 200.0 * coarse.mean()
     assert 0.0 < smooth.mean() < coarse.mean()
 

@@ -21,5 +21,5 @@ def saturated_share(image: Image) -> float:
     float
         From 0 to 1.
     """
-    full = full_scale(np.ascontiguousarray(image))
+    full = full_scale(np.ascontiguousarray(image))  # type: ignore[arg-type]
     return 0.0 if full is None else float(np.mean(image == full))

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from fedic._core import ImageFrame, rectangle_mesh
+from fedic._core import rectangle_mesh
 from fedic._internal.types import CellName, Floats, Image
 from fedic.correlation import Correlator
 from fedic.errors import SolveError
-from fedic.noise.prediction import strain_deviations
 
 __all__ = ["Region", "SizePrediction", "cells_along", "predict_size"]
 
@@ -77,7 +76,7 @@ def predict_size(
     Returns
     -------
     SizePrediction
-        By `Correlator.standard_deviations` and `strain_deviations`; NaN if no patch can be predicted.
+        By `Correlator.covariance`; NaN if no patch can be predicted.
     """
     side = cells_along(region, size) * size
     found: list[tuple[Floats, Floats, Floats]] = []
@@ -122,8 +121,8 @@ def _of_patch(
     mesh = rectangle_mesh((low[0], low[1], low[0] + side, low[1] + side), size, cell)
     points = mesh.points[:, :2]
     at_border = np.any((points <= low + 1e-6) | (points >= low + side - 1e-6), axis=1)
-    nodal = Correlator(part, mesh, **options).standard_deviations(noise) ** 2
-    strains = strain_deviations(part, mesh, ImageFrame(), noise, options) ** 2
+    covariance = Correlator(part, mesh, **options).covariance(noise)
+    nodal, strains = covariance.standard_deviations**2, covariance.strain_deviations("small") ** 2
     inside = np.concatenate([~np.any(at_border[nodes], axis=1) for nodes in mesh.cells.values()])
     return nodal[~at_border], nodal[at_border], strains[inside]
 

@@ -13,7 +13,6 @@ from fedic._internal.types import Camera, Floats, Image, StrPath
 from fedic.correlation import Correlator
 from fedic.errors import ConvergenceWarning, QualityWarning
 from fedic.noise._pixels import checked_images
-from fedic.noise.prediction import strain_deviations
 from fedic.progress import ProgressCallback
 from fedic.results import StrainMeasure
 
@@ -39,8 +38,8 @@ class NoiseFloor:
         Noise floor: standard deviation over the nodes, or cells, of each image about the mean of that image, root mean
         square over the images.
     predicted : ndarray of float, shape (5,)
-        Predicted from the noise of the camera: root mean square over the nodes, or cells; NaN where there is no
-        prediction (see `fedic.noise.prediction.strain_deviations`).
+        Predicted from the noise of the camera (see `Correlator.covariance`): root mean square over the nodes, or cells;
+        NaN if the noise was not given.
     means : ndarray of float, shape (images, 5)
         Mean of each image.
     num_images : int
@@ -159,8 +158,9 @@ def noise_floor(
     predicted = np.full(len(COMPONENTS), np.nan)
     noise = options.get("noise")
     if noise is not None:
-        predicted[:2] = _rms(correlator.standard_deviations(noise)[used])
-        predicted[2:] = _rms(strain_deviations(reference, mesh, camera, noise, options))
+        covariance = correlator.covariance(noise)
+        predicted[:2] = _rms(covariance.standard_deviations[used])
+        predicted[2:] = _rms(covariance.strain_deviations("small"))
     return NoiseFloor(
         bias=means.mean(axis=0),
         std=np.sqrt(variances.mean(axis=0)),
