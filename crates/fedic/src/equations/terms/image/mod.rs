@@ -225,11 +225,10 @@ impl<'a, const D: usize> ImageTerm<'a, D> {
 
     fn found_gain_offset(&self, moments: &Moments) -> GainOffset {
         match self.brightness {
-            Brightness::Global => moments.gain_offset(f64::from(self.observation.grey_origin)),
-            // The grey levels were corrected by the field before.
-            Brightness::Field if self.adaptive.light.is_some() => GainOffset::IDENTITY,
-            Brightness::Field | Brightness::Auto => moments.gain_offset(f64::from(self.observation.grey_origin)),
             Brightness::None | Brightness::Element => GainOffset::IDENTITY,
+            // The grey levels were corrected by the field before.
+            _ if self.adaptive.light.is_some() => GainOffset::IDENTITY,
+            _ => moments.gain_offset(f64::from(self.observation.grey_origin)),
         }
     }
 
