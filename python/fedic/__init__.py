@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from fedic.calibration import Calibration, calibrate
     from fedic.calibration.specimen import SpecimenCalibration, calibrate_on_specimen
     from fedic.cameras.files import read_camera, write_camera
+    from fedic.campaign import Campaign, FrameRecord, load
     from fedic.cross_validation import RegularizationCurve, regularization_curve
     from fedic.noise import CameraNoise, NoiseFloor, camera_noise, noise_floor
     from fedic.registration import Registration, boundary_features, register
@@ -67,12 +68,14 @@ __all__ = [
     "CalibrationWarning",
     "CameraError",
     "CameraNoise",
+    "Campaign",
     "ConfigError",
     "ConvergenceWarning",
     "Correlator",
     "Covariance",
     "EquilibriumGap",
     "FedicError",
+    "FrameRecord",
     "FrontParallel",
     "ImageError",
     "ImageFrame",
@@ -103,6 +106,7 @@ __all__ = [
     "calibrate_on_specimen",
     "camera_noise",
     "correlate",
+    "load",
     "noise_floor",
     "read_camera",
     "read_image",
@@ -117,6 +121,9 @@ __all__ = [
 __all__ += _lenses.__all__
 
 _LAZY = {
+    "Campaign": "campaign",
+    "FrameRecord": "campaign",
+    "load": "campaign",
     "Calibration": "calibration",
     "calibrate": "calibration",
     "read_camera": "cameras.files",

@@ -4,7 +4,7 @@ import warnings
 import weakref
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from fedic._internal.types import Camera, Floats, Image
 from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
 from fedic.cameras.image_size import check_image_size
-from fedic.errors import CalibrationWarning, MeshError, OptionError, QualityWarning, SolveError
+from fedic.errors import CalibrationWarning, MeshError, QualityWarning, SolveError
 from fedic.io.image_origins import file_of
 from fedic.io.images import copy_if_writable, release_pages, validate_deformed
 from fedic.io.kept import KeptImage
@@ -30,6 +30,7 @@ from fedic.results import Attempt, Covariance, Iteration, Result
 from fedic.results.verdict import quality_of, warn_of_quality
 from fedic.starts.autocorrelation import may_repeat
 from fedic.starts.automatic import measure_from_any_start
+from fedic.starts.initial import Initial, Start, checked_initial
 from fedic.starts.threads import opencv_threads
 
 if TYPE_CHECKING:
@@ -37,10 +38,8 @@ if TYPE_CHECKING:
 
     from fedic.options import CorrelationOptions
 
-__all__ = ["Correlator", "Initial", "Mask", "Start", "correlate"]
+__all__ = ["Correlator", "Mask", "correlate"]
 
-Start: TypeAlias = Literal["auto", "zero", "pyramid", "fft", "features", "log-polar", "flow"]
-Initial: TypeAlias = Start | ArrayLike | Result
 Mask: TypeAlias = ArrayLike | Sequence[ArrayLike]
 
 _OTHER_ARGUMENTS = ("initial", "mask", "regularization", "unit", "progress")
@@ -113,7 +112,7 @@ class Correlator:
         self._reference = copy_if_writable(reference, "reference")
         self._mesh = mesh
         self._camera = camera
-        self._initial = _checked_initial(initial, mesh)
+        self._initial = checked_initial(initial, mesh)
         check_image_size(camera, self._reference.shape, "reference")
         self._mask = pixel_mask(mask, self._reference.shape)
         self._regularization = regularization
@@ -149,7 +148,12 @@ class Correlator:
         return self._core.num_points
 
     def correlate(
-        self, deformed: Image, initial: Initial | None = None, progress: ProgressCallback | None = None
+        self,
+        deformed: Image,
+        initial: Initial | None = None,
+        progress: ProgressCallback | None = None,
+        *,
+        pyramid: bool = False,
     ) -> Result:
         """Measure the displacement between the reference and one deformed image.
 
@@ -162,6 +166,8 @@ class Correlator:
             is remembered: give its result.
         progress : callable, optional
             Called with a `fedic.Progress` after each iteration.
+        pyramid : bool
+            Begin on reduced images if the initial displacement is a result or an array: it may be some pixels off.
 
         Returns
         -------
@@ -185,9 +191,9 @@ class Correlator:
             If the verdict on the result is that something is doubtful, or many pixels are saturated.
         """
         original, deformed = deformed, validate_deformed(self._reference, deformed)
-        start = self._initial if initial is None else _checked_initial(initial, self._mesh)
+        start = self._initial if initial is None else checked_initial(initial, self._mesh)
         with opencv_threads(self._options.get("num_threads")):
-            solution, name, attempts = self._solution(deformed, start, core_callback(progress))
+            solution, name, attempts = self._solution(deformed, start, pyramid, core_callback(progress))
             images = (self._reference, deformed)
             quality = quality_of(self._core, solution, images, self._mesh, self._repeats)
         places = self._mesh.points.copy()
@@ -227,12 +233,13 @@ class Correlator:
         return result
 
     def _solution(
-        self, deformed: Image, start: Start | Floats, progress: Any
+        self, deformed: Image, start: Start | Floats, pyramid: bool, progress: Any
     ) -> tuple["_core.Solution", str, list[Attempt]]:
         """Return the solution from a start, the name of the start and the attempts of ``"auto"``."""
         images = (self._reference, deformed)
         if isinstance(start, np.ndarray):
-            return self._core.correlate(deformed, initial=start, progress=progress), "given", []
+            solution = self._core.correlate(deformed, initial=start, pyramid=pyramid, progress=progress)
+            return solution, "given+pyramid" if pyramid else "given", []
         if start == "auto":
             solution, attempts = measure_from_any_start(self._core, images, self._mesh, self._camera, progress)
             return solution, attempts[-1].start, attempts
@@ -457,37 +464,3 @@ def _prepared_again(kind: type[Correlator], made_of: tuple[Any, ...], named: dic
         warnings.simplefilter("ignore", CalibrationWarning)
         warnings.simplefilter("ignore", QualityWarning)
         return kind(*made_of, **named)
-
-
-def _checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:
-    names = get_args(Start)
-    if isinstance(initial, Result):
-        if initial.mesh.num_nodes != mesh.num_nodes:
-            raise OptionError(
-                f"initial is a result on a mesh of {initial.mesh.num_nodes} nodes; this one has {mesh.num_nodes}",
-                "initial",
-            )
-        return np.nan_to_num(initial.unchecked_displacement)
-    if isinstance(initial, str) and initial == "previous":
-        raise OptionError("a correlator remembers no earlier frame: give its result as initial", "initial")
-    if isinstance(initial, str) and initial in names:
-        return initial  # type: ignore[return-value]
-    if isinstance(initial, str) or initial is None:
-        choices = ", ".join(f'"{name}"' for name in names)
-        raise OptionError(
-            f"initial must be {choices}, an array of nodal displacements or a result, got {initial!r}", "initial"
-        )
-    try:
-        start = np.array(initial, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise OptionError(f"initial is not an array of numbers ({error}).", "initial") from error
-    if start.shape != (mesh.num_nodes, 2):
-        raise OptionError(
-            f"initial has shape {start.shape}; give one displacement per node, shape ({mesh.num_nodes}, 2).", "initial"
-        )
-    used = mesh.used_nodes
-    start[~used] = 0.0
-    bad = np.flatnonzero(~np.isfinite(start).all(axis=1))
-    if bad.size:
-        raise OptionError(f"initial is not finite at {bad.size} nodes, the first being node {bad[0]}.", "initial")
-    return start

@@ -25,6 +25,12 @@ class Progress:
         Largest nodal correction of the iteration in pixels; 0 for stages without iterations.
     residual_rms : float
         Root mean square residual in grey levels; 0 for stages without iterations.
+    frame : int
+        Number of frames of a campaign that are finished; 0 for other operations.
+    frames : int or None
+        Number of frames of a campaign; None if it is not known.
+    flagged_cells : int
+        Doubtful cells of the last frame of a campaign.
     """
 
     stage: str
@@ -33,6 +39,9 @@ class Progress:
     iteration: int = 0
     correction: float = 0.0
     residual_rms: float = 0.0
+    frame: int = 0
+    frames: int | None = None
+    flagged_cells: int = 0
 
 
 ProgressCallback: TypeAlias = Callable[[Progress], object]

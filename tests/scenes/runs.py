@@ -58,7 +58,7 @@ def write_run(
     path = folder / "test.toml"
     path.write_text(
         f'[images]\nreference = "ref.png"\ndeformed = {deformed or f"[{listed}]"}\n{mesh}'
-        f'[output]\nfolder = "{output}"\npictures = {str(pictures).lower()}\n{more}'
+        f'[output]\nfolder = "{output}"\npictures = {str(pictures).lower()}\nfiles = ["vtu", "npz"]\n{more}'
     )
     return path
 

@@ -15,8 +15,8 @@ import fedic
 from fedic._core import CORRELATION_OPTIONS, SPECIMEN_OPTIONS, OptionInfo
 from fedic._internal import option_types
 from fedic.campaign.correlation_section import CorrelationSection
-from fedic.correlation import Start
 from fedic.plotting import plot_displacement
+from fedic.starts.initial import Start
 
 ROOT = Path(__file__).resolve().parents[2]
 MESH = fedic.rectangle_mesh((8, 8, 40, 40), size=16)

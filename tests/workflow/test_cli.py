@@ -30,6 +30,7 @@ size = 20.0
 bounds = [30, 30, 170, 130]
 [output]
 folder = "out"
+files = ["vtu", "npz"]
 """
 
 
@@ -75,6 +76,7 @@ def test_run_writes_the_results(folder: Path) -> None:
     out = folder / "out"
     assert {path.name for path in out.iterdir()} == {
         "mesh.png",
+        "results.vtkhdf",
         "summary.json",
         *(
             f"{stem}{end}"

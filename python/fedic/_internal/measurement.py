@@ -1,7 +1,6 @@
 """Images and options of a result, from which its correlator can be prepared again."""
 
-import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +25,7 @@ class Measurement:
     reference, deformed : KeptImage
         The images.
     mesh : Mesh
-        The mesh.
+        The mesh as it lies in the reference image.
     camera : ImageFrame, FrontParallel or Pinhole
         The camera.
     mask : ndarray of bool, or None
@@ -35,8 +34,14 @@ class Measurement:
         Kind of the regularization.
     options : mapping
         Keyword arguments of the core's correlator.
-    correlator : weakref to Correlator, or None
-        The correlator that measured, used as long as it exists; otherwise another one is prepared.
+    correlator : callable, or None
+        Returns the correlator that measured as long as it exists, such as a weak reference; otherwise another one is
+        prepared.
+    first : (Mesh, ndarray of float64 of shape (n, 2)), optional
+        The mesh that displacements are counted from, and the displacement from it to `mesh`, if the reference image is
+        that of a later frame.
+    has_lost_weights : bool
+        Whether the result had robust weights that were not kept; they are found again where they are needed.
     """
 
     reference: KeptImage
@@ -46,16 +51,25 @@ class Measurement:
     mask: NDArray[np.bool_] | None
     regularization: Regularization
     options: Mapping[str, Any]
-    correlator: "weakref.ref[_core.Correlator] | None" = field(default=None, repr=False)
+    correlator: Callable[[], _core.Correlator | None] | None = field(default=None, repr=False)
+    first: tuple[Mesh, Floats] | None = field(default=None, repr=False)
+    has_lost_weights: bool = False
 
     def residual_map(self, displacement: Floats) -> NDArray[np.float32]:
         """Return the residual at the pixels of the reference image, for a displacement."""
         deformed = self.deformed.read()
-        return self._prepared().residual_map(deformed, displacement)
+        return self._prepared().residual_map(deformed, self._since_reference(displacement))
 
     def covariance(self, noise: float, displacement: Floats, information: Any) -> _core.Covariance:
         """Return the covariance of the displacement for a noise of the images, near a displacement."""
-        return self._prepared().covariance(noise, displacement, information)
+        correlator, step = self._prepared(), self._since_reference(displacement)
+        if self.has_lost_weights and information is None:
+            information = correlator.correlate(self.deformed.read(), initial=step).information
+        found = correlator.covariance(noise, step, information)
+        return found if self.first is None else found.of_total(self.first[0], displacement)
+
+    def _since_reference(self, displacement: Floats) -> Floats:
+        return displacement if self.first is None else displacement - self.first[1]
 
     def _prepared(self) -> _core.Correlator:
         correlator = None if self.correlator is None else self.correlator()

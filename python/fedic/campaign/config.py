@@ -1,7 +1,7 @@
 """Configuration file of ``fedic run``."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, ValidationInfo
 
@@ -9,11 +9,13 @@ from fedic._internal.sections import InFolder, Schema, Section, config_error, in
 from fedic._internal.units import checked_unit
 from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
 from fedic.campaign.camera_section import CameraFileSection, CameraSection
+from fedic.campaign.campaign import Campaign
 from fedic.campaign.correlation_section import CorrelationSection
 from fedic.campaign.image_list import expand_names
 from fedic.campaign.measurement_sections import MEASUREMENT_SECTIONS
 from fedic.campaign.mesh_section import MeshSection
 from fedic.campaign.outputs import Outputs, result_names
+from fedic.campaign.tracking import ReferenceUpdate, Starts
 from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError
 from fedic.io.images import split_page
 from fedic.io.meshes import split_choice
@@ -35,6 +37,14 @@ def _expanded(value: object, info: ValidationInfo) -> object:
     return files
 
 
+def _times(value: object) -> object:
+    """Check the times of the frames: where they come from, or the frames per second."""
+    is_rate = isinstance(value, int | float) and not isinstance(value, bool) and 0.0 < value < float("inf")
+    if value in ("modified", "recorded") or is_rate:
+        return value
+    raise ValueError("should be 'modified', 'recorded' or the number of frames per second")
+
+
 class ImagesSection(Section):
     """``[images]``: the files."""
 
@@ -42,11 +52,20 @@ class ImagesSection(Section):
     deformed: Annotated[list[InFolder], BeforeValidator(_expanded), Field(min_length=1)]
 
 
+class SeriesSection(Section):
+    """``[series]``: how one frame follows the other."""
+
+    starts: Starts = "extrapolated"
+    reference_update: ReferenceUpdate = "first"
+    times: Annotated[Literal["modified", "recorded"] | float | None, BeforeValidator(_times)] = None
+
+
 class OutputSection(Section):
     """``[output]``: where the results go, and the measure of the strains in them."""
 
     folder: InFolder
     strain_measure: StrainMeasure = "green-lagrange"
+    files: list[Literal["vtu", "npz"]] = Field(default_factory=list)
     pictures: Annotated[bool, Field(strict=True)] = True
 
 
@@ -57,6 +76,7 @@ class Config(Section):
     mesh: MeshSection
     camera: CameraSection = ImageFrameSection(model="image-frame")
     correlation: CorrelationSection = CorrelationSection()
+    series: SeriesSection = SeriesSection()
     output: OutputSection
     _source: Path | None = PrivateAttr(None)
     _left_out: list[str] = PrivateAttr(default_factory=list)
@@ -81,13 +101,44 @@ class Config(Section):
             inputs.append(("camera.file", self.camera.file))
         if self._source is not None:
             inputs.append(("this configuration", self._source))
-        return Outputs(self.output.folder, result_names(self.images.deformed), self.output.pictures, inputs)
+        endings = tuple(f".{name}" for name in sorted(set(self.output.files), reverse=True))
+        names = result_names(self.images.deformed)
+        return Outputs(self.output.folder, names, endings, self.output.pictures, inputs)
+
+    def campaign(self, store: Path) -> Campaign:
+        """Return the campaign that the file describes.
+
+        Parameters
+        ----------
+        store : Path
+            The file of its results.
+
+        Returns
+        -------
+        Campaign
+            The campaign.
+        """
+        section = self.series
+        return Campaign(
+            self.images.reference,
+            self.images.deformed,
+            self.mesh.build(),
+            self.camera.build(),
+            store=store,
+            times=section.times,
+            starts=section.starts,
+            reference_update=section.reference_update,
+            strain_measure=self.output.strain_measure,
+            unit=self.mesh.unit,
+            **self.correlation.options(),
+        )
 
 
 _SCHEMA = Schema(
     {
         "": Config,
         "images": ImagesSection,
+        "series": SeriesSection,
         "output": OutputSection,
         **MEASUREMENT_SECTIONS,
     },

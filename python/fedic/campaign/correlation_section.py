@@ -7,8 +7,8 @@ from pydantic import Field, create_model, model_validator
 from fedic._core import CORRELATION_OPTIONS, OptionInfo
 from fedic._internal.sections import Section
 from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
-from fedic.correlation import Start
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
+from fedic.starts.initial import Start
 
 __all__ = ["CorrelationSection"]
 

@@ -17,8 +17,8 @@ from fedic.io.images import image_stem, split_page
 
 __all__ = ["DISPLACEMENT", "MESH_PICTURE", "RESIDUAL", "RESULTS", "SUMMARY", "Outputs", "remove", "result_names"]
 
-SUMMARY, MESH_PICTURE = "summary.json", "mesh.png"
-RESULTS = (".vtu", ".npz")
+SUMMARY, MESH_PICTURE, RESULTS = "summary.json", "mesh.png", "results.vtkhdf"
+_ENDINGS = (".vtu", ".npz")
 DISPLACEMENT: dict[Literal["x", "y"], str] = {"x": "_displacement_x.png", "y": "_displacement_y.png"}
 RESIDUAL = "_residual.png"
 _MOST_BYTES = 2**28
@@ -34,6 +34,8 @@ class Outputs:
         The folder.
     names : list of str
         Name of the results of each deformed image, to which the endings of the files are added.
+    endings : tuple of str
+        Endings of the files of each image besides the pictures, such as ``".vtu"``.
     pictures : bool
         Whether pictures are drawn.
     inputs : list of (str, Path)
@@ -42,16 +44,22 @@ class Outputs:
 
     folder: Path
     names: list[str]
+    endings: tuple[str, ...]
     pictures: bool
     inputs: list[tuple[str, Path]]
 
+    @property
+    def results(self) -> Path:
+        """The file with all frames."""
+        return self.folder / RESULTS
+
     def of_frame(self, name: str) -> list[Path]:
         """Return the files of a deformed image."""
-        endings = (*RESULTS, *DISPLACEMENT.values(), RESIDUAL) if self.pictures else RESULTS
+        endings = (*self.endings, *DISPLACEMENT.values(), RESIDUAL) if self.pictures else self.endings
         return [self.folder / f"{name}{ending}" for ending in endings]
 
     def all(self) -> list[Path]:
-        """Return every file but the summary."""
+        """Return every file but the summary and that with all frames."""
         files = [self.folder / MESH_PICTURE] if self.pictures else []
         return [*files, *(file for name in self.names for file in self.of_frame(name))]
 
@@ -63,7 +71,7 @@ class Outputs:
         ConfigError
             If one would.
         """
-        files = [self.folder / SUMMARY, *self.all()]
+        files = [self.folder / SUMMARY, self.results, *self.all()]
         for file in files:
             status = _status(file)
             if status is not None and not stat.S_ISREG(status.st_mode):
@@ -75,7 +83,7 @@ class Outputs:
         self._refuse_inputs(files, "would replace")
 
     def claim(self, *, overwrite: bool) -> None:
-        """Make the folder, check that it can be written and holds no results, and remove unfinished files.
+        """Make the folder, check that it can be written, and remove unfinished files.
 
         Parameters
         ----------
@@ -85,11 +93,12 @@ class Outputs:
         Raises
         ------
         FedicError
-            If the folder cannot be written, or holds results and `overwrite` is false.
+            If the folder cannot be written, or holds results without the file of all frames, from which a run could go
+            on, and `overwrite` is false.
         """
         make_folder(self.folder)
         there = [file for file in (self.folder / SUMMARY, *self.all()) if os.path.lexists(file)]
-        if there and not overwrite:
+        if there and not overwrite and not os.path.lexists(self.results):
             raise FedicError(
                 f"{self.folder}: this folder holds results already, such as {there[0].name}, and was not changed; give "
                 "another output.folder, or --overwrite (overwrite=True), which removes them first."
@@ -213,7 +222,7 @@ def _folded(name: str) -> str:
 
 
 def _is_result_name(name: str) -> bool:
-    return Path(name).name == name and name.endswith((*RESULTS, ".png")) and "\0" not in name
+    return Path(name).name == name and name.endswith((*_ENDINGS, ".png")) and "\0" not in name
 
 
 def _status(path: Path) -> os.stat_result | None:

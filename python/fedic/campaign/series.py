@@ -2,20 +2,18 @@
 
 import contextlib
 import time
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fedic._core import __version__
 from fedic._internal.types import Image
+from fedic.campaign.campaign import Campaign
 from fedic.campaign.config import Config
-from fedic.campaign.outputs import DISPLACEMENT, MESH_PICTURE, RESIDUAL, RESULTS, SUMMARY, Outputs, remove
-from fedic.correlation import Correlator
-from fedic.errors import ConvergenceWarning, FedicError, QualityWarning
+from fedic.campaign.outputs import DISPLACEMENT, MESH_PICTURE, RESIDUAL, SUMMARY, Outputs, remove
+from fedic.campaign.run import Measured
+from fedic.errors import FedicError
 from fedic.io.atomic import write_json
 from fedic.io.images import read_image
 from fedic.plotting import plot_displacement, plot_mesh, plot_residual, save_figure
@@ -23,6 +21,9 @@ from fedic.progress import ProgressCallback
 from fedic.results import Result, StrainMeasure
 
 __all__ = ["Frame", "measure_series"]
+
+_SUMMARY_SECONDS = 2.0
+"""Time between two states of the summary while frames are measured."""
 
 
 @dataclass(frozen=True)
@@ -36,15 +37,18 @@ class Frame:
     name : str
         Name of its results, the stem of the image unless another has it too.
     seconds : float
-        Time from reading the image to writing the last file.
+        Time that the measurement took.
     outcome : dict
         The summary of the result, or ``{"error": ...}``.
+    is_new : bool
+        Whether it was measured by this run; otherwise by one that was interrupted.
     """
 
     image: Path
     name: str
     seconds: float
     outcome: dict[str, Any]
+    is_new: bool = True
 
     @property
     def error(self) -> str | None:
@@ -62,9 +66,10 @@ def measure_series(
 ) -> Iterator[Frame]:
     """Measure every deformed image of a configuration.
 
-    The output folder receives, for each image, ``<stem>.vtu``, ``<stem>.npz`` and pictures, and ``summary.json``, which
-    is written again after each frame. A frame that fails is recorded there, leaves no file, and the others go on. The
-    image files must not change meanwhile: large ones are mapped (see `fedic.read_image`).
+    The output folder receives ``results.vtkhdf`` with all frames, for each image the files that ``output.files`` and
+    ``output.pictures`` ask for, and ``summary.json``. Frames that an interrupted run has finished are not measured
+    again. A frame that fails is recorded, leaves no file of its own, and the others go on. The image files must not
+    change meanwhile: large ones are mapped (see `fedic.read_image`).
 
     Parameters
     ----------
@@ -78,38 +83,47 @@ def measure_series(
     Yields
     ------
     Frame
-        Each frame once its files are written.
+        Each frame: first those that were finished before, then each as soon as it is measured and its own files are
+        written.
 
     Raises
     ------
     ConfigError
         If a result would replace a file that is read.
     FedicError
-        If the folder cannot be written, or holds results and `overwrite` is false; if the reference, the mesh or the
-        camera cannot be used; or, once all frames are done, if some failed or the summary could not be written.
+        If the folder cannot be written, holds results of another run and `overwrite` is false; if the reference, the
+        mesh or the camera cannot be used; or, once all frames are done, if some failed or the summary could not be
+        written.
     """
     outputs = config.outputs()
     outputs.check()
     outputs.claim(overwrite=overwrite)
-    reference = read_image(config.images.reference, mapped=True)
-    mesh = config.mesh.build()
-    camera = config.camera.build()
-    correlator = Correlator(reference, mesh, camera, unit=config.mesh.unit, **config.correlation.options())
-    outputs.clear()
-    frames: list[Frame] = []
-    _write_summary(outputs, config, frames)
-    if outputs.pictures:
-        save_figure(plot_mesh(mesh, camera, reference), outputs.folder / MESH_PICTURE)
-
+    campaign = config.campaign(outputs.results)
+    frames = [] if overwrite else _finished(campaign, config, outputs)
+    is_new = not frames
+    yield from frames
     unwritten: FedicError | None = None
-    for path, name in zip(config.images.deformed, outputs.names, strict=True):
-        frames.append(_measure(correlator, path, name, outputs, config.output.strain_measure, progress=progress))
-        try:
+    written = 0.0
+    for measured in campaign.measure(overwrite=overwrite, progress=progress):
+        if is_new:
+            is_new = False
+            outputs.clear()
             _write_summary(outputs, config, frames)
-            unwritten = None
-        except FedicError as error:
-            unwritten = error
+            if outputs.pictures:
+                reference = read_image(config.images.reference, mapped=True)
+                save_figure(plot_mesh(campaign.mesh, campaign.camera, reference), outputs.folder / MESH_PICTURE)
+        index = measured.record.index
+        path, name = config.images.deformed[index], outputs.names[index]
+        frames.append(_completed(measured, path, name, outputs, config.output.strain_measure))
+        if time.monotonic() - written > _SUMMARY_SECONDS:
+            with contextlib.suppress(FedicError):
+                _write_summary(outputs, config, frames)
+            written = time.monotonic()
         yield frames[-1]
+    try:
+        _write_summary(outputs, config, frames)
+    except FedicError as error:
+        unwritten = error
 
     failed = [frame for frame in frames if frame.error is not None]
     if failed:
@@ -121,36 +135,35 @@ def measure_series(
         raise unwritten
 
 
-def _measure(
-    correlator: Correlator,
-    path: Path,
-    name: str,
-    outputs: Outputs,
-    measure: StrainMeasure,
-    *,
-    progress: ProgressCallback | None,
-) -> Frame:
-    start = time.perf_counter()
+def _finished(campaign: Campaign, config: Config, outputs: Outputs) -> list[Frame]:
+    """Return the frames that an interrupted run has finished."""
+    names = zip(config.images.deformed, outputs.names, strict=True)
+    frames = []
+    for record, (path, name) in zip(campaign.frames, names, strict=False):
+        outcome = {"error": record.error} if record.error else campaign.result(record.index).summary()
+        frames.append(Frame(path, name, record.seconds, outcome, is_new=False))
+    return frames
+
+
+def _completed(measured: Measured, path: Path, name: str, outputs: Outputs, measure: StrainMeasure) -> Frame:
+    """Write the files of a frame that was measured."""
+    record, result = measured.record, measured.result
+    if result is None or measured.image is None:
+        return Frame(path, name, record.seconds, {"error": record.error})
     stem = str(outputs.folder / name)
     try:
         _check_names(path, outputs.of_frame(name))
-        deformed = read_image(path, mapped=True)
-        with warnings.catch_warnings():
-            # The verdict is part of the outcome.
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            warnings.simplefilter("ignore", QualityWarning)
-            result = correlator.correlate(deformed, progress=progress)
-        for ending in RESULTS:
+        for ending in outputs.endings:
             result.write(stem + ending, measure=measure)
         if outputs.pictures:
-            _draw(correlator, result, deformed, stem)
+            _draw(result, measured.image, stem)
         outcome = result.summary()
     except (FedicError, OSError, MemoryError) as error:
         outcome = {"error": _sentence(path, error)}
         for file in outputs.of_frame(name):
             with contextlib.suppress(FedicError):
                 remove(file)
-    return Frame(path, name, time.perf_counter() - start, outcome)
+    return Frame(path, name, record.seconds, outcome)
 
 
 def _check_names(path: Path, files: list[Path]) -> None:
@@ -174,12 +187,11 @@ def _sentence(path: Path, error: FedicError | OSError | MemoryError) -> str:
     return f"{path.name}: a file cannot be read or written ({error.strerror or error})."
 
 
-def _draw(correlator: Correlator, result: Result, deformed: Image, stem: str) -> None:
+def _draw(result: Result, deformed: Image, stem: str) -> None:
     for component, ending in DISPLACEMENT.items():
         figure = plot_displacement(result, deformed, component)
         save_figure(figure, Path(stem + ending))
-    residual = correlator.residual_map(deformed, np.nan_to_num(result.unchecked_displacement))
-    save_figure(plot_residual(residual), Path(stem + RESIDUAL))
+    save_figure(plot_residual(result.residual_map()), Path(stem + RESIDUAL))
 
 
 def _write_summary(outputs: Outputs, config: Config, frames: list[Frame]) -> None:

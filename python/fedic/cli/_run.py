@@ -7,7 +7,6 @@ import typer
 
 from fedic.cli.common import reported_errors
 from fedic.cli.exit_status import EXIT_DOUBTFUL
-from fedic.cli.progress import TerminalProgress
 from fedic.cli.terminal import echo, shown
 
 if TYPE_CHECKING:
@@ -22,22 +21,27 @@ def run_command(
         bool, typer.Option("--overwrite", help="Remove the results of an earlier run in the output folder first.")
     ] = False,
 ) -> None:
-    """Measure a series of images described by a configuration file.
+    """Measure a series of images described by a configuration file; go on where an interrupted run has stopped.
 
     Exit status: 0 if every frame is measured and nothing is doubtful, 3 if some result is doubtful or did not converge,
     2 after an error.
     """
     with reported_errors():
         from fedic.campaign import load_config, measure_series
+        from fedic.campaign.progress_bar import progress_bar
 
         settings = load_config(config)
         if settings.left_out:
             echo(f"{shown(settings.images.reference.name)}: the reference image, left out of images.deformed", err=True)
-        with TerminalProgress(config.name) as progress:
-            frames = []
+        frames = []
+        with progress_bar(None, len(settings.images.deformed)) as progress:
             for frame in measure_series(settings, overwrite=overwrite, progress=progress):
-                _print_frame(frame)
+                if frame.is_new:
+                    _print_frame(frame)
                 frames.append(frame)
+        earlier = sum(not frame.is_new for frame in frames)
+        if earlier:
+            echo(f"{earlier} of {len(frames)} frames had been measured before; --overwrite measures them again")
         echo(f"Results in {settings.output.folder}")
         doubtful = [frame for frame in frames if not frame.is_good]
         if doubtful:

@@ -9,12 +9,13 @@ from numpy.typing import ArrayLike
 from fedic._core import CELL_TYPES, CORRELATION_OPTIONS, ImageFrame, Mesh
 from fedic._internal.masks import pixel_mask
 from fedic._internal.types import Camera, Floats, Image
-from fedic.correlation import Correlator, Initial, Mask
+from fedic.correlation import Correlator, Mask
 from fedic.cross_validation.curve import RegularizationCurve
 from fedic.cross_validation.left_out import MOST_PATTERNS, left_out, square_sums
 from fedic.errors import CalibrationWarning, ConvergenceWarning, OptionError, QualityWarning, SolveError
 from fedic.options import with_options
 from fedic.regularization import Regularization
+from fedic.starts.initial import Initial
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fedic._core import Mesh
-from fedic.correlation import Correlator, Initial
+from fedic.correlation import Correlator
 from fedic.demo.measurement import Measurement, measure_pair
 from fedic.demo.scene import ImagePair, Scene
 from fedic.errors import SolveError
@@ -15,6 +15,7 @@ from fedic.experiments.option_sets import UNFILTERED, OptionSet
 from fedic.experiments.outcome import Row
 from fedic.experiments.sweep import MAX_ITERATIONS, TOLERANCE, rms
 from fedic.quadrature import Quadrature
+from fedic.starts.initial import Initial
 
 __all__ = ["LensAccuracy", "average_errors", "measure", "measure_pairs", "rounding_bound"]
 

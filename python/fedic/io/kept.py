@@ -7,7 +7,7 @@ from typing import Any
 from fedic._internal.types import Image
 from fedic.errors import FedicError, ImageError
 from fedic.io.image_origins import sample_checksum
-from fedic.io.images import as_image, read_image
+from fedic.io.images import as_image, mean_image
 
 __all__ = ["KeptImage"]
 
@@ -25,6 +25,8 @@ class KeptImage:
         Its name in messages, such as ``"deformed"``.
     path : Path or None
         Its file.
+    others : tuple of Path
+        More files, if the image is the mean of several.
     array : ndarray or None
         The image, if it has no file.
     checksum : int
@@ -35,6 +37,7 @@ class KeptImage:
     path: Path | None
     array: Image | None
     checksum: int
+    others: tuple[Path, ...] = ()
 
     @classmethod
     def of(cls, image: Image, name: str, path: Path | None) -> "KeptImage":
@@ -71,7 +74,7 @@ class KeptImage:
         """
         if self.path is not None:
             try:
-                image = as_image(read_image(self.path, mapped=True), self.name)
+                image = as_image(mean_image([self.path, *self.others], self.name), self.name)
             except FedicError as error:
                 raise ImageError(f"The {self.name} image of this result cannot be read again: {error}") from error
         elif self.array is not None:

@@ -14,7 +14,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-__all__ = ["load_toml"]
+__all__ = ["load_toml", "parse_toml"]
 
 _MOST_BYTES = 2**24
 _DEEPEST = 32
@@ -25,6 +25,12 @@ _TABLE_LINE = re.compile(r"\s*\[\[?\s*([^\[\]]+?)\s*\]\]?\s*(#.*)?$")
 _STRING = re.compile(r"""\"(?:[^"\\\n]|\\.)*\"?|'[^'\n]*'?""")  # the end may be missing, so that the time is linear
 _DEEP_KEY = re.compile(rf"""(?<![\w-])(?:[\w-]+|\"\")(?:[ \t]*\.[ \t]*(?:[\w-]+|\"\")){{{_DEEPEST}}}""")
 _KEY_LINE = re.compile(r"\s*([\w\"'. -]+?)\s*=")
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Return the tables of a text that was written by this package."""
+    tables: dict[str, Any] = tomllib.loads(text)
+    return tables
 
 
 def load_toml(path: Path, error: type[FedicError] = FedicError, what: str = "TOML") -> dict[str, Any]:

@@ -114,6 +114,11 @@ class EquilibriumGap:
         """Moduli by name: ``nu``, or ``E1, E2, nu12, G12, angle``."""
         return dict(self._moduli)
 
+    @property
+    def edges(self) -> dict[str, Given]:
+        """Edges by ``"free"`` or ``"loaded"``, as names of sets and groups of nodes; empty if none are named."""
+        return dict(self._edges)
+
     def law(self) -> PlaneStress:
         """Return the law of the material as the core takes it.
 

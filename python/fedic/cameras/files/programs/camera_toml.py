@@ -14,9 +14,9 @@ from fedic.cameras.lens_sections import lens_table
 from fedic.cameras.schema import parse_camera
 from fedic.errors import CameraError, ConfigError, OptionError
 from fedic.io.atomic import atomic_path
-from fedic.io.toml import load_toml
+from fedic.io.toml import load_toml, parse_toml
 
-__all__ = ["read_toml", "write_toml"]
+__all__ = ["camera_from_text", "camera_text", "read_toml", "write_toml"]
 
 _HEADER = "# A camera for fedic; in the configuration of a run: [camera], file = {name}.\n"
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r"}
@@ -36,18 +36,27 @@ def read_toml(path: Path, number: int) -> FileCamera:
         raise CameraError(error.message) from error
 
 
+def camera_from_text(text: str, path: Path) -> Camera:
+    """Return the camera of a text of `camera_text`."""
+    return parse_camera(path, parse_toml(text))
+
+
 def write_toml(camera: Camera, path: Path, notes: Mapping[str, object]) -> None:
     """Write a camera, with notes in the section ``[calibration]``."""
-    text = _HEADER.format(name=_text(path.name)) + _lines(path, _content(path, camera))
-    lens = camera.distortion if isinstance(camera, Pinhole) else None
-    if lens is not None:
-        text += "\n[distortion]\n" + _lines(path, lens_table(lens))
+    text = _HEADER.format(name=_text(path.name)) + camera_text(camera, path)
     if notes:
         text += "\n# Uncertainty and origin, in pixels and radians; ignored on reading.\n[calibration]\n" + _lines(
             path, notes
         )
     with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def camera_text(camera: Camera, path: Path) -> str:
+    """Return the keys of a camera as TOML; `path` names the file in messages."""
+    text = _lines(path, _content(path, camera))
+    lens = camera.distortion if isinstance(camera, Pinhole) else None
+    return text if lens is None else text + "\n[distortion]\n" + _lines(path, lens_table(lens))
 
 
 def _content(path: Path, camera: Camera) -> dict[str, object]:
