@@ -33,7 +33,7 @@ impl Covariance {
     fn of_cell(&self, nodes: &[u32], weights: &[[[f64; PLANE]; STRAIN]; MAX_NODES]) -> Option<[[f64; STRAIN]; STRAIN]> {
         let mut carried = *weights;
         for (of_node, &node) in carried.iter_mut().zip(nodes) {
-            *of_node = of_node.map(|weight| self.carry(node, weight));
+            of_node.iter_mut().for_each(|weight| *weight = self.carry(node, *weight));
         }
         let mut covariance = [[0.0; STRAIN]; STRAIN];
         for (a, (&row, left)) in nodes.iter().zip(&carried).enumerate() {
@@ -66,15 +66,23 @@ impl Covariance {
         let surface = surface_gradients(cell.cell_type, &mesh.cell_points(index), at);
         let gradient = surface.of_vectors(cell.nodes.iter().map(|&node| self.displacement[node as usize]));
         let derivative = measure.derivative(&gradient);
-        let of_node = |slope: [f64; 2]| {
-            std::array::from_fn(|s| {
-                std::array::from_fn(|d| {
-                    let along = |a: usize| derivative[s][a][0] * slope[0] + derivative[s][a][1] * slope[1];
-                    surface.axes.iter().enumerate().map(|(a, axis)| axis[d] * along(a)).sum()
-                })
-            })
-        };
-        surface.shape.map(of_node)
+        // With respect to the slope of each component of the displacement, from those along the axes of the surface.
+        let mut of_slopes = [[[0.0; 2]; PLANE]; STRAIN];
+        for (slopes, derivative) in of_slopes.iter_mut().zip(&derivative) {
+            for (axis, [first, second]) in surface.axes.iter().zip(derivative) {
+                for (slope, along) in slopes.iter_mut().zip(axis) {
+                    slope[0] += along * first;
+                    slope[1] += along * second;
+                }
+            }
+        }
+        let mut weights = [[[0.0; PLANE]; STRAIN]; MAX_NODES];
+        for (weights, [first, second]) in weights.iter_mut().zip(surface.shape).take(cell.nodes.len()) {
+            for (weight, slope) in weights.as_flattened_mut().iter_mut().zip(of_slopes.as_flattened()) {
+                *weight = slope[0] * first + slope[1] * second;
+            }
+        }
+        weights
     }
 
     /// Covariance of the displacement at points of the `(x, y)` plane, one by one; NaN outside the mesh.
