@@ -333,7 +333,9 @@ class Correlator:
           smoothing, the scatter is 1.25 times the prediction.
 
         These figures are those of ``fedic experiment noise`` and of ``tests/unit/test_uncertainty.py``. The variances
-        are entries of an inverse found by selected inversion: the cost is that of about six factorisations.
+        are entries of an inverse found by selected inversion: the cost is that of about six factorisations, once for
+        the reference image and the points used. Another noise or displacement then takes milliseconds: the covariance
+        at rest is carried by a factor for each node, as if ``det F`` were the same in all cells around it.
         """
         return self.covariance(noise, displacement).standard_deviations
 

@@ -1,5 +1,7 @@
 """Predicted standard deviations of the displacement against dense matrices and Monte Carlo."""
 
+import warnings
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -351,3 +353,91 @@ def test_deviations_of_nodes_that_were_not_measured_are_nan() -> None:
     np.testing.assert_array_equal(np.isnan(deviations).any(axis=1), ~result.valid_nodes)
     assert 0 < result.valid_nodes.sum() < mesh.num_nodes
     assert np.isnan(result.covariance().strain_deviations()[~result.valid_cells]).all()
+
+
+def shares_at(mesh: fedic.Mesh, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the factor of each cell on its part of the noise at a displacement, and the gradient of each node."""
+    nodes = mesh.cells["quad"]
+    slopes = 0.25 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    before, after = (np.einsum("cni,nj->cij", field[nodes], slopes) for field in (mesh.points[:, :2], displacement))
+    gradients = np.eye(2) + after @ np.linalg.inv(before)
+    of_nodes = np.zeros((mesh.num_nodes, 2, 2))
+    np.add.at(of_nodes, nodes, gradients[:, None])
+    return 0.5 * (1 + 1 / np.linalg.det(gradients)), of_nodes / np.bincount(nodes.ravel())[:, None, None]
+
+
+@pytest.mark.parametrize("options", [{}, {"regularization_length": 60.0}], ids=["free", "regularized"])
+@pytest.mark.parametrize(("kind", "within"), [("uniform", 1e-7), ("bending", 2e-3)])
+def test_the_noise_at_a_displacement_is_that_of_the_cells(kind: str, within: float, options: dict[str, float]) -> None:
+    """A factor on the noise of each cell at rest, carried by the gradient of each node."""
+    mesh = fedic.rectangle_mesh((20.0, 20.0, 150.0, 120.0), 10.0)
+    x, y = mesh.points[:, :2].T
+    turn = np.radians(40)
+    fields = {
+        "uniform": 1.3 * mesh.points[:, :2] @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
+        - mesh.points[:, :2],
+        # The area changes by 10 % over the height of the mesh.
+        "bending": 1e-3 * np.column_stack([(x - 85) * (y - 70), -0.5 * (x - 85) ** 2]),
+    }
+    core = _core.Correlator(speckle().astype(np.float32), mesh, fedic.ImageFrame(), **options)  # type: ignore[arg-type]
+    shares, gradients = shares_at(mesh, fields[kind])
+    assert np.ptp(shares) > 0.04 if kind == "bending" else shares == pytest.approx(0.5 + 0.5 / 1.69)
+    by_cells = core.covariance(2.0, None, (np.column_stack([np.ones(mesh.num_cells), shares]), [], [])).nodes()
+    expected = np.diagonal(gradients @ by_cells @ gradients.transpose(0, 2, 1), axis1=1, axis2=2)
+    found = np.diagonal(core.covariance(2.0, fields[kind]).nodes(), axis1=1, axis2=2)
+    np.testing.assert_allclose(np.sqrt(found), np.sqrt(expected), rtol=within)
+
+
+def test_frames_of_a_series_have_the_covariance_of_a_fresh_correlator() -> None:
+    mesh, image = fedic.rectangle_mesh((22.5, 22.5, 142.5, 122.5), 20.0), speckle().astype(np.float32)
+    dark = speckle(SHIFT).astype(np.float32)
+    dark[20:70, 20:75] = 250.0
+    frames = [speckle(SHIFT).astype(np.float32), dark, speckle(2 * SHIFT).astype(np.float32)]
+    used = fedic.Correlator(image, mesh, robust="tukey")
+
+    def numbers(correlator: fedic.Correlator, frame: np.ndarray, noise: float) -> bytes:
+        covariance = correlator.correlate(frame).covariance(noise)
+        return covariance.nodes.tobytes() + covariance.strains().tobytes() + covariance.at([[70.0, 60.0]]).tobytes()
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fedic.QualityWarning)
+        for frame in [*frames, *frames]:
+            for noise in (2.0, 1.0, 2.0):
+                fresh = fedic.Correlator(image, mesh, robust="tukey")
+                assert numbers(used, frame, noise) == numbers(fresh, frame, noise)
+
+
+def test_strains_of_a_total_displacement_have_the_noise_of_the_last_step() -> None:
+    """Two steps that keep the area give the covariance of the direct measurement."""
+    centre = np.array([85.0, 70.0])
+    steps = [np.array([[1.15, 0.1], [0.0, 1 / 1.15]]), np.array([[1.0, 0.0], [-0.2, 1.0]])]
+    mesh = fedic.rectangle_mesh((55.0, 45.0, 115.0, 95.0), 10.0)
+
+    def moved(points: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return (points - centre) @ gradient.T + centre
+
+    v, u = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    pixels = np.stack([u, v], axis=-1).reshape(-1, 2).astype(float)
+    places = moved(pixels, np.linalg.inv(steps[0]))
+    grey = 35 + 180 * fedic.synthetic.Speckle(5.0, seed=2).values(places).reshape(SHAPE)
+    points = mesh.points[:, :2]
+    between = fedic.Mesh(moved(points, steps[0]), mesh.cells)
+    last = moved(between.points[:, :2], steps[1])
+    direct = fedic.Correlator(speckle().astype(np.float32), mesh).covariance(2.0, last - points)
+    step = fedic.Correlator(grey.astype(np.float32), between).covariance(2.0, last - between.points[:, :2])
+    total = step.of_total(mesh, last - points)
+    np.testing.assert_array_equal(total.nodes, step.nodes)
+    np.testing.assert_allclose(total.standard_deviations, direct.standard_deviations, rtol=0.05)
+    for measure in ("green-lagrange", "hencky", "small"):
+        found, expected = (each.strain_deviations(measure) for each in (total, direct))  # type: ignore[arg-type]
+        np.testing.assert_allclose(found, expected, rtol=0.07)
+        assert found.mean() == pytest.approx(expected.mean(), rel=0.01)
+        gauges = (np.diag(each.gauge([[80.0, 61.0], [93.0, 77.0]], measure)) for each in (total, direct))  # type: ignore[arg-type]
+        np.testing.assert_allclose(*gauges, rtol=0.07)
+    np.testing.assert_allclose(total.at([[80.0, 61.0]]), direct.at([[80.0, 61.0]]), rtol=0.07, atol=1e-6)
+    assert np.abs(step.strain_deviations() / total.strain_deviations() - 1.0).max() > 0.2
+
+    with pytest.raises(fedic.OptionError, match="mesh must be the mesh of the prediction on other points"):
+        step.of_total(fedic.rectangle_mesh((55.0, 45.0, 115.0, 95.0), 20.0), last - points)
+    with pytest.raises(fedic.OptionError, match="displacement must have one finite value"):
+        step.of_total(mesh, np.full((mesh.num_nodes, 2), np.nan))

@@ -345,6 +345,27 @@ fn finite_strains_of_a_cell_turned_inside_out_are_nan() {
 }
 
 #[test]
+fn derivatives_of_strains_are_their_differences() {
+    let gradient = [[0.1, -0.4], [0.3, -0.05], [0.2, 0.1]];
+    let step = 1e-5;
+    for measure in StrainMeasure::ALL {
+        let derivative = measure.derivative(&gradient);
+        for (a, b) in (0..3).flat_map(|a| (0..2).map(move |b| (a, b))) {
+            let strain = |step: f64| {
+                let mut moved = gradient;
+                moved[a][b] += step;
+                measure.of_gradient(&moved)
+            };
+            let (up, down) = (strain(step), strain(-step));
+            for s in 0..3 {
+                let expected = (up[s] - down[s]) / (2.0 * step);
+                assert!((derivative[s][a][b] - expected).abs() < 1e-8, "{measure} {s} {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
 fn strain_measures_are_parsed_from_their_names() {
     for measure in StrainMeasure::ALL {
         assert_eq!(measure.name().parse(), Ok(measure));

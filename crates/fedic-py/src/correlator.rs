@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fedic::{Information, Iteration, Start, ThreadPool};
-use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -306,7 +306,7 @@ impl Solution {
 type CellInformation<'py> = (Bound<'py, PyArray2<f64>>, Vec<usize>, Vec<Bound<'py, PyArray1<f32>>>);
 
 /// The same as an argument.
-type GivenInformation<'py> = (Bound<'py, PyAny>, Vec<usize>, Vec<Vec<f32>>);
+type GivenInformation<'py> = (Bound<'py, PyAny>, Vec<usize>, Vec<PyReadonlyArray1<'py, f32>>);
 
 /// What each cell contributes to the covariance, as `Solution.information` gives it.
 fn cell_information((factors, cells, weights): GivenInformation<'_>) -> PyResult<Vec<Information>> {
@@ -315,7 +315,7 @@ fn cell_information((factors, cells, weights): GivenInformation<'_>) -> PyResult
     let mut information: Vec<Information> = full.collect();
     for (cell, weights) in cells.into_iter().zip(weights) {
         if let Some(cell) = information.get_mut(cell) {
-            cell.weights = Some(weights.into_boxed_slice());
+            cell.weights = Some(weights.as_array().iter().copied().collect());
         }
     }
     Ok(information)

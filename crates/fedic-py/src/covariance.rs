@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{rows, to_array};
 use crate::errors::argument_error;
+use crate::mesh::any_mesh;
 use crate::strains;
 use crate::worker::{SHARED, run_briefly, run_on};
 
@@ -24,7 +25,18 @@ impl Covariance {
 impl Covariance {
     /// Covariance of the displacement of each node, (n, 2, 2) float64; NaN at nodes that no point determines.
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        blocks(py, &self.inner.blocks())
+        blocks(py, &run_briefly(py, &SHARED, || self.inner.blocks())?)
+    }
+
+    /// The same covariance of the nodes for the strains of a total displacement, (n, 2), of the same cells on other points.
+    fn of_total(
+        &self,
+        py: Python<'_>,
+        mesh: &Bound<'_, PyAny>,
+        displacement: &Bound<'_, PyAny>,
+    ) -> PyResult<Covariance> {
+        let (mesh, field) = (any_mesh(mesh)?, rows::<2>(displacement, "displacement", argument_error)?);
+        Ok(Self::new(run_on(py, Some(&SHARED), None, |_| self.inner.of_total(mesh, &field))?))
     }
 
     /// Covariance of the strain at the centre of each cell, (num_cells, 3, 3) float64: of ``exx``, ``eyy``, ``exy``.

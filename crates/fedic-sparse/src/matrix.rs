@@ -69,13 +69,21 @@ impl SymmetricMatrix {
         assert_eq!(D, pattern.block(), "blocks of another size");
         let (low, high) = (row.min(column), row.max(column));
         let place = pattern.node_column(low).binary_search(&(high as u32)).ok()?;
-        // Entry (i, j) of the block below the diagonal; that of the diagonal is stored as its lower triangle.
-        let entry = |i: usize, j: usize| {
-            let (i, j) = if place == 0 && i < j { (j, i) } else { (i, j) };
-            self.values[pattern.column_start(low, j) + place * D + i - j]
-        };
-        let of = |i: usize, j: usize| if row >= column { entry(i, j) } else { entry(j, i) };
-        Some(std::array::from_fn(|i| std::array::from_fn(|j| of(i, j))))
+        let mut block = [[0.0; D]; D];
+        for j in 0..D {
+            let start = pattern.column_start(low, j) + place * D - j;
+            // The block of the diagonal is stored as its lower triangle.
+            for i in if place == 0 { j..D } else { 0..D } {
+                let entry = self.values[start + i];
+                if row >= column {
+                    block[i][j] = entry;
+                }
+                if row <= column {
+                    block[j][i] = entry;
+                }
+            }
+        }
+        Some(block)
     }
 
     /// Adds a number to the entries of a node on the diagonal.

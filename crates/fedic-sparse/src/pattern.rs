@@ -89,6 +89,7 @@ impl Pattern {
     }
 
     /// Nodes of higher or equal index coupled to `node`, increasing.
+    #[inline]
     pub(crate) fn node_column(&self, node: usize) -> &[u32] {
         &self.node_rows[self.node_starts[node]..self.node_starts[node + 1]]
     }
@@ -103,6 +104,7 @@ impl Pattern {
     }
 
     /// First entry of column `(node, component)` in the lower triangle.
+    #[inline]
     pub(crate) fn column_start(&self, node: usize, component: usize) -> usize {
         let d = self.block;
         let triangles_before = node * (d * (d - 1) / 2);

@@ -315,6 +315,12 @@ fn a_monitor_cancels_every_stage() {
         let result = correlator.covariance(1.0, None, None, &monitor);
         assert!(matches!(result, Err(Error::Cancelled)), "after {patience} questions");
     }
+    // One that was cancelled is prepared again, one that was completed is not.
+    for questions in [true, false] {
+        let patient = Impatient::new(usize::MAX);
+        assert!(correlator.covariance(1.0, None, None, &patient).is_ok());
+        assert_eq!(patient.questions.into_inner() > 0, questions);
+    }
     let monitor = Impatient::new(3);
     assert_eq!(correlator.correlate_with(deformed.view(), Start::Pyramid, &monitor), Err(Error::Cancelled));
     // A pyramid cancelled while it was built is built again.

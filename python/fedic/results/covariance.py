@@ -1,6 +1,6 @@
 """The covariance of a displacement due to the noise of the images, and of what is derived from it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,9 @@ class Covariance:
 
     ``C = 2 noise^2 A^-1 B A^-1``; see `Correlator.standard_deviations`. Neighbouring nodes are correlated: the standard
     deviation of a strain, a gauge or a point between nodes does not follow from those of the nodes alone.
+
+    The correlator prepares it once for the reference image and the points used, for about six factorisations of the
+    system, and carries it to the displacement and noise of each frame in milliseconds.
 
     Attributes
     ----------
@@ -171,3 +174,37 @@ class Covariance:
         unknown = (given[:, ~self.valid_nodes] != 0).any(axis=(1, 2))
         covariance[unknown] = covariance[:, unknown] = np.nan
         return covariance
+
+    def of_total(self, mesh: Mesh, displacement: ArrayLike) -> "Covariance":
+        """Return the same covariance of the nodes, for strains, gauges and points of another configuration.
+
+        A series may be measured from an intermediate image, on the mesh moved there, while its strains refer to the
+        first mesh. The noise is that of the last step alone: of the intermediate and the deformed image.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            The same cells on other points, to which the strains refer: the first mesh.
+        displacement : array_like, shape (n, 2)
+            Total displacement from that mesh, in its unit. Nodes that were not measured may be NaN.
+
+        Returns
+        -------
+        Covariance
+            Of the same nodes; `strains` and `gauge` are those of the total displacement, and `at` and `gauge` take
+            points of that mesh.
+
+        Raises
+        ------
+        OptionError
+            If the mesh has other cells, or the displacement another shape or a node that was measured is not finite.
+        """
+        total = np.array(displacement, dtype=np.float64)
+        if total.shape != (self.mesh.num_nodes, 2) or not np.isfinite(total[self.valid_nodes]).all():
+            raise OptionError(
+                f"displacement must have one finite value per component and node that was measured, shape "
+                f"({self.mesh.num_nodes}, 2), got shape {total.shape}",
+                "displacement",
+            )
+        total[~np.isfinite(total)] = 0.0
+        return replace(self, mesh=mesh, _prediction=self._prediction.of_total(mesh, total))

@@ -1,13 +1,44 @@
 //! The covariance of the displacement, predicted by a correlator.
 
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
 use fedic_image::ImageView;
 
 use super::Correlator;
 use crate::observation::image_source::view_of;
-use crate::results::covariance::{Covariance, Prediction};
+use crate::options::{NOISE, OptionType};
+use crate::results::covariance::{Covariance, ReferenceCovariance};
 use crate::results::solution::Information;
 use crate::threads::in_pool;
 use crate::{Error, Monitor, PLANE};
+
+/// What the covariances of the frames are carried from, kept once it is prepared.
+#[derive(Default)]
+pub(super) struct Prepared {
+    /// With all points used.
+    full: OnceLock<Arc<ReferenceCovariance>>,
+    /// With the last other points used.
+    last: Mutex<Option<(Vec<Information>, Arc<ReferenceCovariance>)>>,
+}
+
+impl Prepared {
+    fn find(&self, information: Option<&[Information]>) -> Option<Arc<ReferenceCovariance>> {
+        let Some(information) = information else { return self.full.get().cloned() };
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        last.as_ref().filter(|(of, _)| of == information).map(|(_, found)| Arc::clone(found))
+    }
+
+    fn keep(&self, information: Option<&[Information]>, found: &Arc<ReferenceCovariance>) {
+        match information {
+            // Another thread may have made the same meanwhile.
+            None => _ = self.full.set(Arc::clone(found)),
+            Some(of) => {
+                let entry = Some((of.to_vec(), Arc::clone(found)));
+                *self.last.lock().unwrap_or_else(PoisonError::into_inner) = entry;
+            }
+        }
+    }
+}
 
 impl Correlator {
     /// Covariance of the displacement due to the noise of the images, near a displacement (`None` for none).
@@ -26,7 +57,12 @@ impl Correlator {
     /// is that of the analytic gradient; too large with a smoothing as wide as a tenth of the cells, over which shape functions are
     /// taken as constant; and too small if the noise is not small beside the gradient of the reference image, to which it adds.
     ///
-    /// The cost is that of at most two factorisations and two selected inversions, about six factorisations.
+    /// At a displacement with the gradient `F` the covariance is `F C F^T`, and the noise of the deformed image is averaged over `det F`
+    /// times as many pixels: a factor for each node, as if `det F` were the same in all cells that its displacement depends on.
+    ///
+    /// The cost is that of at most two factorisations and two selected inversions, about six factorisations, once for the reference
+    /// image and the points used: the correlator keeps what it has found for all of them, and for the last other `information`. Another
+    /// displacement or noise then takes milliseconds.
     ///
     /// # Errors
     ///
@@ -46,10 +82,25 @@ impl Correlator {
         assert!(information.is_none_or(|cells| cells.len() == self.dofs.mesh.num_cells()), "information of each cell");
         let at_rest = vec![[0.0; PLANE]; self.dofs.mesh.num_nodes()];
         let displacement = displacement.map(|field| self.dofs.restrict(field)).transpose()?.unwrap_or(at_rest);
-        let prediction = Prediction { noise, displacement: &displacement, information };
-        let predict = |reference: ImageView<'_>| {
-            Covariance::predict(&self.dofs, &self.level, reference, &self.options, &prediction, monitor)
+        noise.check("noise", Some(NOISE))?;
+        let reference = self.reference_covariance(information, monitor)?;
+        Ok(in_pool(self.threads(), || Covariance::carried(reference, noise, displacement))?)
+    }
+
+    /// What the covariance is carried from; prepared if it is not kept.
+    fn reference_covariance(
+        &self,
+        information: Option<&[Information]>,
+        monitor: &dyn Monitor,
+    ) -> Result<Arc<ReferenceCovariance>, Error> {
+        if let Some(found) = self.covariances.find(information) {
+            return Ok(found);
+        }
+        let prepare = |reference: ImageView<'_>| {
+            ReferenceCovariance::prepare(&self.dofs, &self.level, reference, &self.options, information, monitor)
         };
-        in_pool(self.threads(), || view_of(self.reference.as_ref(), predict))??
+        let found = Arc::new(in_pool(self.threads(), || view_of(self.reference.as_ref(), prepare))???);
+        self.covariances.keep(information, &found);
+        Ok(found)
     }
 }

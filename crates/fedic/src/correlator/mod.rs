@@ -11,6 +11,7 @@ use fedic_camera::Camera;
 use fedic_image::{Image, ImageError, ImageView, Interpolator, downsample};
 use fedic_mesh::{Mesh, map};
 
+use self::covariance::Prepared;
 use crate::equations::dofs::Dofs;
 use crate::equations::terms::curvature::Curvature;
 use crate::equations::terms::equilibrium_gap::Gap;
@@ -86,6 +87,8 @@ pub struct Correlator {
     pyramid: OnceLock<Pyramid<PLANE>>,
     /// The last deformed image, whose buffer the next one reuses.
     last: Mutex<Option<Interpolator>>,
+    /// What the covariances are carried from.
+    covariances: Prepared,
     pool: Option<ThreadPool>,
 }
 
@@ -199,8 +202,8 @@ impl Correlator {
         let prepared = Progress { stage: Stage::Prepare, level: 0, iteration: 0, correction: 0.0, residual_rms: 0.0 };
         monitor.progress(&prepared);
         let (laplacian, pyramid, last) = (OnceLock::new(), OnceLock::new(), Mutex::default());
-        let dofs = Arc::new(dofs);
-        Ok(Self { dofs, reference, camera, options, size, mask, level, laplacian, pyramid, last, pool })
+        let (dofs, covariances) = (Arc::new(dofs), Prepared::default());
+        Ok(Self { dofs, reference, camera, options, size, mask, level, laplacian, pyramid, last, covariances, pool })
     }
 
     /// Options of this correlator.

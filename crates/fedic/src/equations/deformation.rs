@@ -112,24 +112,26 @@ impl<const D: usize> NodalDeformation<D> {
     }
 }
 
+/// Whether a determinant is that of a field that is not folded; false for a NaN.
+fn is_usable(determinant: f64) -> bool {
+    determinant > MIN_DETERMINANT && determinant < 1.0 / MIN_DETERMINANT
+}
+
 /// Whether each cell is folded by a displacement field, or changes its area by more than a factor of ten.
 pub(crate) fn folded_cells<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<bool> {
-    cell_gradients(mesh, displacement).iter().map(Option::is_none).collect()
+    let slopes = CellType::ALL.map(|cell| shape_gradients(cell, cell.reference_centre()));
+    let is_folded = |cell: fedic_mesh::Cell<'_>| {
+        cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement).is_none()
+    };
+    mesh.cells().map(is_folded).collect()
 }
 
-/// Change of area of a surface with this deformation gradient, whose normal is carried along without a change of length.
+/// Change of area of a surface with this deformation gradient, whose normal is carried along without a change of length; one where it
+/// is folded, or changes its area by more than a factor of ten.
 pub(crate) fn area_ratio<const D: usize>(gradient: &Tensor<D>) -> f64 {
     let entry = |i: usize, j: usize| if i < D && j < D { gradient[i][j] } else { f64::from(i == j) };
-    Matrix3::from_fn(entry).determinant()
-}
-
-/// Deformation gradient at the centre of each cell; `None` where the cell is folded, or changes its area by more than a factor of ten.
-pub(crate) fn cell_gradients<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<Option<Tensor<D>>> {
-    let slopes = CellType::ALL.map(|cell| shape_gradients(cell, cell.reference_centre()));
-    let of_cell = |cell: fedic_mesh::Cell<'_>| {
-        cell_deformation(mesh, cell.nodes, &slopes[cell.cell_type as usize], displacement).map(|(gradient, _)| gradient)
-    };
-    mesh.cells().map(of_cell).collect()
+    let determinant = Matrix3::from_fn(entry).determinant();
+    if is_usable(determinant) { determinant } else { 1.0 }
 }
 
 /// The rotation nearest to a matrix.
@@ -163,9 +165,7 @@ fn cell_deformation<const D: usize>(
         }
     }
     let gradient = if D == PLANE { plane_gradient(from, to)? } else { space_gradient(from, to)? };
-    let determinant = gradient.determinant();
-    // Also false for a NaN.
-    if !(determinant > MIN_DETERMINANT && determinant < 1.0 / MIN_DETERMINANT) {
+    if !is_usable(gradient.determinant()) {
         return None;
     }
     let stretches = (gradient.transpose() * gradient).symmetric_eigenvalues();

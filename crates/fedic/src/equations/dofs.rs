@@ -188,6 +188,14 @@ impl<const D: usize> Dofs<D> {
         }
     }
 
+    /// The mesh on the points of another one of the user's, with the same cells; `None` if it has others.
+    pub(crate) fn on_points_of(&self, user_mesh: &Mesh) -> Option<Mesh> {
+        let (mesh, kept) = user_mesh.collapsed_as_triangles().compact();
+        let same =
+            user_mesh.num_nodes() == self.num_user_nodes && kept == self.kept && mesh.cells().eq(self.mesh.cells());
+        same.then_some(mesh)
+    }
+
     /// Values at the nodes kept, of one for each node of the user's mesh.
     pub(crate) fn restrict_by<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.kept.iter().map(|&node| values[node as usize]).collect()

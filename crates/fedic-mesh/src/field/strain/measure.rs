@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-/// Step of the derivative of a strain with respect to the displacement gradient.
+/// Step of the derivative of a Hencky strain with respect to the Green-Lagrange strain.
 const STEP: f64 = 1e-6;
 
 /// Strain measure of the reference configuration.
@@ -54,39 +54,65 @@ impl StrainMeasure {
     /// assert_eq!(StrainMeasure::Small.of_gradient(&gradient), [-1.0, -1.0, 0.0]);
     /// ```
     pub fn of_gradient(self, gradient: &[[f64; 2]; 3]) -> [f64; 3] {
-        let [x, y, _] = gradient;
-        let small = [x[0], y[1], 0.5 * (x[1] + y[0])];
         match self {
-            Self::Small => small,
-            Self::GreenLagrange => green_lagrange(small, gradient),
-            Self::Hencky => hencky(green_lagrange(small, gradient)),
+            Self::Small => small(gradient),
+            Self::GreenLagrange => green_lagrange(gradient),
+            Self::Hencky => hencky(green_lagrange(gradient)),
         }
     }
 }
 
 impl StrainMeasure {
-    /// Derivative of the strain: entry `[s][a][b]` is that of component `s` with respect to `gradient[a][b]`. By central differences, to
-    /// about 1e-9.
+    /// Derivative of the strain: entry `[s][a][b]` is that of component `s` with respect to `gradient[a][b]`. That of the Hencky strain is
+    /// found by central differences, to about 1e-9.
     #[must_use]
     pub fn derivative(self, gradient: &[[f64; 2]; 3]) -> [[[f64; 2]; 3]; 3] {
-        let mut derivative = [[[0.0; 2]; 3]; 3];
-        for a in 0..3 {
-            for b in 0..2 {
-                let strain = |step: f64| {
-                    let mut moved = *gradient;
-                    moved[a][b] += step;
-                    self.of_gradient(&moved)
-                };
-                let (up, down) = (strain(STEP), strain(-STEP));
-                (0..3).for_each(|s| derivative[s][a][b] = (up[s] - down[s]) / (2.0 * STEP));
+        match self {
+            Self::Small => product_derivative(&[[0.0; 2]; 3]),
+            Self::GreenLagrange => product_derivative(gradient),
+            Self::Hencky => {
+                let (strain, inner) = (green_lagrange(gradient), product_derivative(gradient));
+                let mut derivative = [[[0.0; 2]; 3]; 3];
+                for (component, inner) in inner.iter().enumerate() {
+                    let moved = |step: f64| {
+                        let mut moved = strain;
+                        moved[component] += step;
+                        hencky(moved)
+                    };
+                    let (up, down) = (moved(STEP), moved(-STEP));
+                    for (s, of_strain) in derivative.iter_mut().enumerate() {
+                        let outer = (up[s] - down[s]) / (2.0 * STEP);
+                        let entries = of_strain.as_flattened_mut().iter_mut().zip(inner.as_flattened());
+                        entries.for_each(|(entry, inner)| *entry += outer * inner);
+                    }
+                }
+                derivative
             }
         }
-        derivative
     }
 }
 
+/// Small strain `(H + H^T) / 2`.
+fn small([x, y, _]: &[[f64; 2]; 3]) -> [f64; 3] {
+    [x[0], y[1], 0.5 * (x[1] + y[0])]
+}
+
+/// Derivative of `(F^T F - I) / 2` with `F = I + H` with respect to `H`.
+fn product_derivative(gradient: &[[f64; 2]; 3]) -> [[[f64; 2]; 3]; 3] {
+    let deformation = |a: usize, b: usize| f64::from(u8::from(a == b)) + gradient[a][b];
+    [(0, 0), (1, 1), (0, 1)].map(|(p, q)| {
+        let mut derivative = [[0.0; 2]; 3];
+        for (a, row) in derivative.iter_mut().enumerate() {
+            row[p] += 0.5 * deformation(a, q);
+            row[q] += 0.5 * deformation(a, p);
+        }
+        derivative
+    })
+}
+
 /// Green-Lagrange strain `(H + H^T + H^T H) / 2`, without the cancellation of `F^T F - I`.
-fn green_lagrange(small: [f64; 3], gradient: &[[f64; 2]; 3]) -> [f64; 3] {
+fn green_lagrange(gradient: &[[f64; 2]; 3]) -> [f64; 3] {
+    let small = small(gradient);
     let product = |a: usize, b: usize| gradient.iter().map(|row| row[a] * row[b]).sum::<f64>();
     [small[0] + 0.5 * product(0, 0), small[1] + 0.5 * product(1, 1), small[2] + 0.5 * product(0, 1)]
 }

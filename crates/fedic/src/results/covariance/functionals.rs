@@ -5,7 +5,7 @@ use fedic_sparse::SpdFactor;
 use rayon::prelude::*;
 
 use crate::equations::deformation::Tensor;
-use crate::results::covariance::Covariance;
+use crate::results::covariance::{Covariance, ReferenceCovariance};
 use crate::{Error, Monitor, PLANE};
 
 /// Number of functions solved for at once.
@@ -20,25 +20,38 @@ impl Covariance {
     /// Covariance of the strain at the centre of each cell, to first order in the noise: `e_11`, `e_22`, `e_12` along the local axes of
     /// the surface. NaN if a node of the cell is not determined.
     pub fn cell_strains(&self, measure: StrainMeasure) -> Vec<[[f64; STRAIN]; STRAIN]> {
-        let mesh = &self.dofs.mesh;
+        let mesh = self.mesh();
         let of_cell = |index: usize| {
             let cell = mesh.cell(index);
             let weights = self.strain_weights(index, cell.cell_type.reference_centre(), measure);
-            let mut covariance = [[0.0; STRAIN]; STRAIN];
-            for (&row, left) in cell.nodes.iter().zip(&weights) {
-                for (&column, right) in cell.nodes.iter().zip(&weights) {
-                    let block = self.block(row, column);
-                    for (s, sums) in covariance.iter_mut().enumerate() {
-                        for (t, sum) in sums.iter_mut().enumerate() {
-                            let terms = (0..PLANE).flat_map(|d| (0..PLANE).map(move |e| (d, e)));
-                            *sum += terms.map(|(d, e)| left[s][d] * block[d][e] * right[t][e]).sum::<f64>();
+            self.of_cell(cell.nodes, &weights).unwrap_or([[f64::NAN; STRAIN]; STRAIN])
+        };
+        (0..mesh.num_cells()).into_par_iter().map(of_cell).collect()
+    }
+
+    /// Covariance of linear functions of the displacement of the nodes of a cell; `None` if a node is not determined.
+    fn of_cell(&self, nodes: &[u32], weights: &[[[f64; PLANE]; STRAIN]; MAX_NODES]) -> Option<[[f64; STRAIN]; STRAIN]> {
+        let mut carried = *weights;
+        for (of_node, &node) in carried.iter_mut().zip(nodes) {
+            of_node.iter_mut().for_each(|weight| *weight = self.carry(node, *weight));
+        }
+        let mut covariance = [[0.0; STRAIN]; STRAIN];
+        for (a, (&row, left)) in nodes.iter().zip(&carried).enumerate() {
+            for (b, (&column, right)) in nodes.iter().zip(&carried).enumerate().take(a + 1) {
+                let [[xx, xy], [yx, yy]] = self.reference.block(row, column)?;
+                let half = left.map(|[x, y]| [x * xx + y * yx, x * xy + y * yy]);
+                for s in 0..STRAIN {
+                    for t in 0..STRAIN {
+                        let product = half[s][0] * right[t][0] + half[s][1] * right[t][1];
+                        covariance[s][t] += product;
+                        if b < a {
+                            covariance[t][s] += product;
                         }
                     }
                 }
             }
-            covariance
-        };
-        (0..mesh.num_cells()).into_par_iter().map(of_cell).collect()
+        }
+        Some(covariance)
     }
 
     /// Derivative of the strain at a reference point of a cell with respect to the displacement of each of its nodes.
@@ -48,20 +61,28 @@ impl Covariance {
         at: [f64; 2],
         measure: StrainMeasure,
     ) -> [[[f64; PLANE]; STRAIN]; MAX_NODES] {
-        let mesh = &self.dofs.mesh;
+        let mesh = self.mesh();
         let cell = mesh.cell(index);
         let surface = surface_gradients(cell.cell_type, &mesh.cell_points(index), at);
         let gradient = surface.of_vectors(cell.nodes.iter().map(|&node| self.displacement[node as usize]));
         let derivative = measure.derivative(&gradient);
-        let of_node = |slope: [f64; 2]| {
-            std::array::from_fn(|s| {
-                std::array::from_fn(|d| {
-                    let along = |a: usize| derivative[s][a][0] * slope[0] + derivative[s][a][1] * slope[1];
-                    surface.axes.iter().enumerate().map(|(a, axis)| axis[d] * along(a)).sum()
-                })
-            })
-        };
-        surface.shape.map(of_node)
+        // With respect to the slope of each component of the displacement, from those along the axes of the surface.
+        let mut of_slopes = [[[0.0; 2]; PLANE]; STRAIN];
+        for (slopes, derivative) in of_slopes.iter_mut().zip(&derivative) {
+            for (axis, [first, second]) in surface.axes.iter().zip(derivative) {
+                for (slope, along) in slopes.iter_mut().zip(axis) {
+                    slope[0] += along * first;
+                    slope[1] += along * second;
+                }
+            }
+        }
+        let mut weights = [[[0.0; PLANE]; STRAIN]; MAX_NODES];
+        for (weights, [first, second]) in weights.iter_mut().zip(surface.shape).take(cell.nodes.len()) {
+            for (weight, slope) in weights.as_flattened_mut().iter_mut().zip(of_slopes.as_flattened()) {
+                *weight = slope[0] * first + slope[1] * second;
+            }
+        }
+        weights
     }
 
     /// Covariance of the displacement at points of the `(x, y)` plane, one by one; NaN outside the mesh.
@@ -70,7 +91,7 @@ impl Covariance {
     ///
     /// [`Error::Cancelled`] if `monitor` asks to stop.
     pub fn at_points(&self, points: &[[f64; 2]], monitor: &dyn Monitor) -> Result<Vec<Tensor<PLANE>>, Error> {
-        let mesh = &self.dofs.mesh;
+        let mesh = self.mesh();
         let locator = Locator::new(mesh);
         let mut functions: Vec<Weights> = Vec::with_capacity(PLANE * points.len());
         let found: Vec<_> = points.iter().map(|&point| locator.find(point)).collect();
@@ -103,7 +124,7 @@ impl Covariance {
         measure: StrainMeasure,
         monitor: &dyn Monitor,
     ) -> Result<[[f64; STRAIN]; STRAIN], Error> {
-        let mesh = &self.dofs.mesh;
+        let mesh = self.mesh();
         let locator = Locator::new(mesh);
         let mut functions: [Weights; STRAIN] = Default::default();
         for &point in points {
@@ -126,7 +147,7 @@ impl Covariance {
     /// node; [`Error::Cancelled`] if `monitor` asks to stop.
     pub fn of_functions(&self, functions: &[&[[f64; PLANE]]], monitor: &dyn Monitor) -> Result<Vec<f64>, Error> {
         let sparse = |weights: &&[[f64; PLANE]]| -> Result<Weights, Error> {
-            let kept = self.dofs.restrict(weights)?;
+            let kept = self.reference.dofs.restrict(weights)?;
             let entries = kept.into_iter().enumerate().filter(|(_, weight)| *weight != [0.0; PLANE]);
             Ok(entries.map(|(node, weight)| (node as u32, weight)).collect())
         };
@@ -137,8 +158,9 @@ impl Covariance {
 
     /// Covariance of each group of `size` functions, row after row.
     fn blocks_of(&self, functions: &[Weights], size: usize, monitor: &dyn Monitor) -> Result<Vec<Vec<f64>>, Error> {
-        let (pattern, num_dofs) = (&self.dofs.pattern, self.dofs.pattern.num_dofs());
-        let factor = self.factor()?;
+        let ReferenceCovariance { dofs, noise, undetermined, .. } = self.reference.as_ref();
+        let (pattern, num_dofs) = (&dofs.pattern, dofs.pattern.num_dofs());
+        let factor = self.reference.factor()?;
         let per_batch = (BATCH / size).max(1) * size;
         let batches = functions.par_chunks(per_batch).map(|batch| {
             if monitor.cancelled() {
@@ -147,19 +169,16 @@ impl Covariance {
             let mut columns = vec![0.0; batch.len() * num_dofs];
             for (column, weights) in columns.chunks_exact_mut(num_dofs).zip(batch) {
                 for &(node, weight) in weights {
-                    // An increment of the displacement is that of the reference configuration, carried by the gradient.
-                    let gradient = &self.gradients[node as usize];
-                    for (j, entry) in column[node as usize * PLANE..][..PLANE].iter_mut().enumerate() {
-                        *entry += (0..PLANE).map(|i| gradient[i][j] * weight[i]).sum::<f64>();
-                    }
+                    let entries = column[node as usize * PLANE..][..PLANE].iter_mut();
+                    entries.zip(self.carry(node, weight)).for_each(|(entry, own)| *entry += own);
                 }
             }
             factor.solve_sequentially(&mut columns);
             let mut blocks = Vec::new();
             for (group, weights) in columns.chunks(size * num_dofs).zip(batch.chunks(size)) {
                 let solutions: Vec<&[f64]> = group.chunks_exact(num_dofs).collect();
-                let gathered: Vec<Vec<f64>> = solutions.iter().map(|x| self.noise.multiply(pattern, x)).collect();
-                let is_known = |weights: &Weights| weights.iter().all(|&(node, _)| !self.undetermined[node as usize]);
+                let gathered: Vec<Vec<f64>> = solutions.iter().map(|x| noise.multiply(pattern, x)).collect();
+                let is_known = |weights: &Weights| weights.iter().all(|&(node, _)| !undetermined[node as usize]);
                 let known: Vec<bool> = weights.iter().map(is_known).collect();
                 let entry = |i: usize, j: usize| -> f64 {
                     let product = solutions[i].iter().zip(&gathered[j]).map(|(x, y)| x * y).sum();

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use fedic_mesh::{Mesh, jacobian};
+use fedic_mesh::jacobian;
 use fedic_sparse::SymmetricMatrix;
 
-use crate::equations::deformation::{Tensor, area_ratio, cell_gradients};
 use crate::equations::dofs::Dofs;
 use crate::interpolation::image_sampler::ImageSampler;
 use crate::kernels::cell_matrix::CellMatrix;
@@ -28,12 +27,6 @@ pub(crate) fn pixels_averaged(smoothing: f64) -> f64 {
     (4.0 * PI * smoothing.powi(2)).max(PIXELS_INTERPOLATED)
 }
 
-/// Area of each cell at a displacement relative to that at rest; one where the cell is folded.
-pub(super) fn area_ratios<const D: usize>(mesh: &Mesh, displacement: &[[f64; D]]) -> Vec<f64> {
-    let of_cell = |gradient: Option<Tensor<D>>| gradient.map_or(1.0, |gradient| area_ratio(&gradient));
-    cell_gradients(mesh, displacement).into_iter().map(of_cell).collect()
-}
-
 /// Input of the pass.
 pub(super) struct NoisePass<'a, const D: usize> {
     pub(super) dofs: &'a Dofs<D>,
@@ -42,8 +35,6 @@ pub(super) struct NoisePass<'a, const D: usize> {
     pub(super) image: ImageSampler,
     /// A point that stands for more pixels than these averages no more noise.
     pub(super) pixels_averaged: f64,
-    /// Area of each cell in the deformed image relative to that in the reference image.
-    pub(super) area_ratios: Vec<f64>,
     /// What each cell contributes; `None` if all its points do.
     pub(super) information: Option<&'a [Information]>,
     pub(super) borders: Borders,
@@ -154,11 +145,9 @@ impl<const D: usize> NoisePass<'_, D> {
                     }
                     None => 1.0,
                 };
-                // The noise of the deformed image is that of as many more pixels as the cell has grown.
-                let noise = 0.5 * (1.0 + 1.0 / self.area_ratios[cell]);
                 let border = self.borders.factor(cell, [u[k], v[k]]);
                 let robust = robust.map_or(1.0, |weights| f64::from(weights[point]));
-                let own = noise * border * (robust * samples.weight(point)).powi(2);
+                let own = border * (robust * samples.weight(point)).powi(2);
                 weights[point] = (own / pixels.min(self.pixels_averaged)) as f32;
             }
             let first = points.start;
