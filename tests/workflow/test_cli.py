@@ -100,9 +100,9 @@ def test_run_maps_large_images_from_their_files(folder: Path, monkeypatch: pytes
     held = []
     correlate = fedic.Correlator.correlate
 
-    def watched(self: fedic.Correlator, deformed: Any, **options: Any) -> fedic.Result:
+    def watched(self: fedic.Correlator, deformed: Any, *arguments: Any, **options: Any) -> fedic.Result:
         held.append([isinstance(image.base, np.memmap) for image in (self._reference, deformed)])
-        return correlate(self, deformed, **options)
+        return correlate(self, deformed, *arguments, **options)
 
     monkeypatch.setattr(fedic.Correlator, "correlate", watched)
     outcome = RUNNER.invoke(app, ["run", str(folder / "test.toml")])

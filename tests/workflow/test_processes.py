@@ -38,6 +38,8 @@ def check_whole(folder: Path) -> None:
             continue
         if path.suffix == ".npz":
             assert np.load(path)["displacement"].shape[1] == 2
+        elif path.suffix == ".vtkhdf":
+            assert all(not record.error for record in fedic.load(path).frames)
         elif path.suffix == ".vtu":
             assert len(meshio.read(path).points)
         elif path.suffix == ".png":

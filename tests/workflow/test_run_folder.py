@@ -47,12 +47,20 @@ def test_results_are_not_replaced_unless_asked_for(tmp_path: Path) -> None:
     assert run(config).exit_code == 0
     before = contents(tmp_path)
     outcome = run(config)
+    assert outcome.exit_code == 0
+    assert "1 of 1 frames had been measured before" in outcome.stdout
+    assert contents(tmp_path) == before
+    config.write_text(config.read_text().replace("size = 12.0", "size = 16.0"))
+    outcome = run(config)
+    assert outcome.exit_code == 2
+    assert "these results are of another campaign: mesh differ" in outcome.stderr
+    (tmp_path / "out" / "results.vtkhdf").rename(tmp_path / "results.vtkhdf")
+    outcome = run(config)
     assert outcome.exit_code == 2
     assert "holds results already" in outcome.stderr
     assert "--overwrite" in outcome.stderr
-    assert contents(tmp_path) == before
     assert run(config, "--overwrite").exit_code == 0
-    assert contents(tmp_path).keys() == before.keys()
+    assert contents(tmp_path / "out").keys() == {Path(name).name for name in before if name.startswith("out/")}
 
 
 def test_nothing_of_the_older_run_stays(tmp_path: Path) -> None:
@@ -194,19 +202,21 @@ def test_a_folder_that_cannot_be_written_ends_the_run_at_once(tmp_path: Path, mo
 
 
 def test_images_that_vanish_or_break_during_the_run_are_named(tmp_path: Path) -> None:
-    images = [f"f{number}.png" for number in range(8)]
+    images = [f"f{number}.png" for number in range(12)]
     config = load_config(write_run(tmp_path, images))
     series = measure_series(config)
     done = [next(series)]
-    (tmp_path / "f1.png").unlink()
-    (tmp_path / "f3.png").write_bytes(b"")
-    (tmp_path / "f4.png").write_bytes((tmp_path / "f5.png").read_bytes()[:500])
-    (tmp_path / "f6.png").unlink()
-    (tmp_path / "f6.png").mkdir()
-    with pytest.raises(fedic.FedicError, match=r"4 of 8 frames failed, the first being f1\.png"):
+    # A few frames are read ahead.
+    (tmp_path / "f5.png").unlink()
+    (tmp_path / "f7.png").write_bytes(b"")
+    (tmp_path / "f8.png").write_bytes((tmp_path / "f9.png").read_bytes()[:500])
+    (tmp_path / "f10.png").unlink()
+    (tmp_path / "f10.png").mkdir()
+    with pytest.raises(fedic.FedicError, match=r"4 of 12 frames failed, the first being f5\.png"):
         done.extend(series)
-    assert [frame.image.name for frame in done if frame.error] == ["f1.png", "f3.png", "f4.png", "f6.png"]
-    assert {path.stem for path in (tmp_path / "out").glob("*.vtu")} == {"f0", "f2", "f5", "f7"}
+    assert [frame.image.name for frame in done if frame.error] == ["f5.png", "f7.png", "f8.png", "f10.png"]
+    measured = {"f0", "f1", "f2", "f3", "f4", "f6", "f9", "f11"}
+    assert {path.stem for path in (tmp_path / "out").glob("*.vtu")} == measured
 
 
 def test_strange_names_are_measured(tmp_path: Path) -> None:

@@ -77,7 +77,7 @@ class Campaign:
         recorded them in the file), the number of frames per second, or one time per frame in seconds.
     starts : {"extrapolated", "previous", "independent"}
         Where a frame starts from: the displacement extrapolated from the last two frames that converged, that of the
-        last one, or none. If the result is worse than that of the frame before, `initial` is tried too, and the better
+        last one, or none. If the result is worse than those of the last two, `initial` is tried too, and the better
         result taken.
     reference_update : {"first", "previous", "auto"}
         Reference image of a frame: the first one; the frame before; or the first one as long as it can be measured
@@ -250,10 +250,17 @@ class Campaign:
         FedicError
             As `run`.
         """
-        if self._series is None or self._reference is None:
-            raise FedicError(f"{self._file.name}: a campaign that was loaded has no frames to measure.")
-        run = Run(self._setup, self._series, self._reference, self._stored())
-        yield from run.frames(resume=resume, overwrite=overwrite, progress=progress)
+        yield from self._run().frames(resume=resume, overwrite=overwrite, progress=progress)
+
+    def check(self) -> None:
+        """Check that results which `store` holds are of this campaign, so that a run can go on with them.
+
+        Raises
+        ------
+        FedicError
+            If they are of another one: the message names what differs.
+        """
+        self._run().check()
 
     def __len__(self) -> int:
         """Return the number of finished frames."""
@@ -342,6 +349,11 @@ class Campaign:
             f"Campaign({len(records)} of {'unknown' if total is None else total} frames finished, {failed} failed, "
             f"{doubtful} doubtful, {self.mesh.num_nodes} nodes, {self._file.name})"
         )
+
+    def _run(self) -> Run:
+        if self._series is None or self._reference is None:
+            raise FedicError(f"{self._file.name}: a campaign that was loaded has no frames to measure.")
+        return Run(self._setup, self._series, self._reference, self._stored())
 
     def _stored(self) -> StoredResults:
         if self._results is None:

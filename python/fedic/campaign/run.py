@@ -119,6 +119,17 @@ class Run:
         finally:
             file.close()
 
+    def check(self) -> None:
+        """Check that the frames of the file, if there are any, belong to this campaign.
+
+        Raises
+        ------
+        FedicError
+            If they do not.
+        """
+        if self.results.file.exists:
+            self._checked_frames(load_entry(self.reference, "reference"))
+
     def _measured(self, tracker: Tracker, done: int, progress: ProgressCallback | None) -> Iterator[Measured]:
         writer = WriteBehind(self.results.file)
         try:

@@ -99,7 +99,10 @@ def measure_series(
     outputs.check()
     outputs.claim(overwrite=overwrite)
     campaign = config.campaign(outputs.results)
-    frames = [] if overwrite else _finished(campaign, config, outputs)
+    frames: list[Frame] = []
+    if not overwrite:
+        campaign.check()
+        frames = _finished(campaign, config, outputs)
     is_new = not frames
     yield from frames
     unwritten: FedicError | None = None
@@ -137,33 +140,43 @@ def measure_series(
 
 def _finished(campaign: Campaign, config: Config, outputs: Outputs) -> list[Frame]:
     """Return the frames that an interrupted run has finished."""
-    names = zip(config.images.deformed, outputs.names, strict=True)
+    measure = config.output.strain_measure
     frames = []
+    names = zip(config.images.deformed, outputs.names, strict=True)
     for record, (path, name) in zip(campaign.frames, names, strict=False):
-        outcome = {"error": record.error} if record.error else campaign.result(record.index).summary()
-        frames.append(Frame(path, name, record.seconds, outcome, is_new=False))
+        if record.error:
+            frames.append(Frame(path, name, record.seconds, {"error": record.error}, is_new=False))
+        else:
+            outcome = _written(campaign.result(record.index), path, name, outputs, measure)
+            frames.append(Frame(path, name, record.seconds, outcome, is_new=False))
     return frames
 
 
 def _completed(measured: Measured, path: Path, name: str, outputs: Outputs, measure: StrainMeasure) -> Frame:
     """Write the files of a frame that was measured."""
     record, result = measured.record, measured.result
-    if result is None or measured.image is None:
+    if result is None:
         return Frame(path, name, record.seconds, {"error": record.error})
+    return Frame(path, name, record.seconds, _written(result, path, name, outputs, measure))
+
+
+def _written(result: Result, path: Path, name: str, outputs: Outputs, measure: StrainMeasure) -> dict[str, Any]:
+    """Write those files of a frame that are missing; return its outcome."""
     stem = str(outputs.folder / name)
     try:
         _check_names(path, outputs.of_frame(name))
         for ending in outputs.endings:
-            result.write(stem + ending, measure=measure)
-        if outputs.pictures:
-            _draw(result, measured.image, stem)
+            if not Path(stem + ending).exists():
+                result.write(stem + ending, measure=measure)
+        if outputs.pictures and not Path(stem + RESIDUAL).exists():
+            _draw(result, read_image(path, mapped=True), stem)
         outcome = result.summary()
     except (FedicError, OSError, MemoryError) as error:
         outcome = {"error": _sentence(path, error)}
         for file in outputs.of_frame(name):
             with contextlib.suppress(FedicError):
                 remove(file)
-    return Frame(path, name, record.seconds, outcome)
+    return outcome
 
 
 def _check_names(path: Path, files: list[Path]) -> None:

@@ -1,5 +1,6 @@
 """The frames of a series, each measured from what earlier ones tell."""
 
+import math
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -19,9 +20,9 @@ Starts: TypeAlias = Literal["extrapolated", "previous", "independent"]
 ReferenceUpdate: TypeAlias = Literal["first", "previous", "auto"]
 
 _FLAGGED_RISE = 0.05
-"""Share of flagged cells beyond that of the frame before from which on other starts are tried."""
+"""Share of flagged cells beyond that of the last two frames from which on other starts are tried."""
 _RESIDUAL_RISE = 1.5
-"""Residual relative to that of the frame before from which on other starts are tried."""
+"""Residual relative to that of the last two frames from which on other starts are tried."""
 _UNKNOWN_SHARE = 0.5
 """Share of flagged cells from which on a frame tells nothing of later ones."""
 
@@ -234,11 +235,10 @@ class Tracker:
         return isinstance(found, Tracked) and self._is_good(found.result)
 
     def _is_good(self, result: Result) -> bool:
-        """Tell whether a result is about as good as that of the frame before."""
-        before = self._known[-1] if self._known else None
-        flagged = _FLAGGED_RISE + (before.flagged_share if before else 0.0)
-        has_risen = before is not None and result.residual_rms > _RESIDUAL_RISE * before.residual_rms
-        return result.converged and result.quality.flagged_share <= flagged and not has_risen
+        """Tell whether a result is about as good as those of the last two known frames."""
+        flagged = _FLAGGED_RISE + max((frame.flagged_share for frame in self._known), default=0.0)
+        residual = _RESIDUAL_RISE * max((frame.residual_rms for frame in self._known), default=math.inf)
+        return result.converged and result.quality.flagged_share <= flagged and result.residual_rms <= residual
 
     def _as_reference(self, frame: Tracked) -> Reference:
         if frame.index == self._current.index:
