@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.assess.rigid import fit_rigid_motion
+from fedic.results.rigid import fit_rigid_motion
 from fedic.assess.squares import square_samples
 from fedic.assess.statistics import deviations, pixel_size, zero_displacement_deviation, zero_strain_deviation
 

@@ -9,7 +9,7 @@ import numpy as np
 from fedic._internal.choices import check_choice
 from fedic._internal.types import Floats
 from fedic.assess.assessment import LIMITS, Assessment, Check, Reading
-from fedic.assess.rigid import fit_rigid_motion
+from fedic.results.rigid import fit_rigid_motion
 from fedic.assess.squares import average_over_squares
 from fedic.assess.statistics import (
     Deviations,
