@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scenes.fields import result_of
 
 import fedic
+from scenes.fields import result_of
 
 MESH = fedic.rectangle_mesh((0, 0, 40, 30), 10, "triangle6")
 CAMERA = fedic.FrontParallel(10.0, (50.0, 600.0), angle=0.3)
