@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from fedic.cameras.files import read_camera, write_camera
     from fedic.cross_validation import RegularizationCurve, regularization_curve
     from fedic.noise import CameraNoise, NoiseFloor, camera_noise, noise_floor
+    from fedic.probes import Gauge
     from fedic.registration import Registration, boundary_features, register
 
 __all__ = [
@@ -74,6 +75,7 @@ __all__ = [
     "EquilibriumGap",
     "FedicError",
     "FrontParallel",
+    "Gauge",
     "ImageError",
     "ImageFrame",
     "Iteration",
@@ -123,6 +125,7 @@ _LAZY = {
     "write_camera": "cameras.files",
     "RegularizationCurve": "cross_validation",
     "regularization_curve": "cross_validation",
+    "Gauge": "probes",
     "Registration": "registration",
     "boundary_features": "registration",
     "register": "registration",
