@@ -63,7 +63,7 @@ class CellPoints:
         self._kept = kept
         self._points = points
         self._apart = _Apart(mesh, kept)
-        self._size = typical_cell_size(mesh)
+        self._size = typical_cell_size(self._apart.mesh)
         self.nodes = self._apart.table[place]
 
     def shapes(self) -> Floats:

@@ -45,7 +45,7 @@ class Gauge:
 
         The polygon is cut by a grid; the mean is that at the centres of the pieces, weighted by their areas. The mean
         of a linear field is exact. The rectangles of the grid are at most a quarter of a cell wide, unless that takes
-        more than 10,000.
+        more than 4,000.
 
         Parameters
         ----------

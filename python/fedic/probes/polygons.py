@@ -6,7 +6,7 @@ from fedic._internal.types import Floats
 
 __all__ = ["crossing_sides", "polygon_area", "polygon_pieces"]
 
-_MOST_PIECES = 10_000
+_MOST_PIECES = 4_000
 _FEWEST_ACROSS = 4
 """Smallest number of squares across the polygon in each direction."""
 
@@ -60,7 +60,7 @@ def polygon_pieces(corners: Floats, step: float) -> tuple[Floats, Floats]:
     corners : ndarray, shape (n, 2)
         The corners in order.
     step : float
-        Largest side of the rectangles. They are larger where more than 10,000 would be needed, and smaller if fewer
+        Largest side of the rectangles. They are larger where more than 4,000 would be needed, and smaller if fewer
         than 4 would lie across the polygon in a direction.
 
     Returns
@@ -96,23 +96,23 @@ def _bands(corners: Floats, axis: int, cuts: Floats) -> list[Floats]:
 
 def _half(corners: Floats, axis: int, cut: float, sign: float) -> Floats:
     """Return the part of a polygon on one side of a line (I. Sutherland and G. Hodgman, Comm. ACM 17, 1974)."""
-    if not len(corners):
-        return corners
     distance = sign * (corners[:, axis] - cut)
     if (distance >= 0).all():
         return corners
     kept = []
-    for here, after in zip(range(len(corners)), [*range(1, len(corners)), 0], strict=True):
-        if distance[here] >= 0:
-            kept.append(corners[here])
-        if distance[here] * distance[after] < 0:
-            share = distance[here] / (distance[here] - distance[after])
-            kept.append(corners[here] + share * (corners[after] - corners[here]))
+    points, sides = corners.tolist(), distance.tolist()
+    for here, (x, y) in enumerate(points, start=-len(points)):
+        side, next_side, (next_x, next_y) = sides[here], sides[here + 1], points[here + 1]
+        if side >= 0:
+            kept.append((x, y))
+        if side * next_side < 0:
+            share = side / (side - next_side)
+            kept.append((x + share * (next_x - x), y + share * (next_y - y)))
     return np.array(kept).reshape(-1, 2)
 
 
 def _moments(corners: Floats) -> tuple[float, Floats]:
     """Return the signed area of a polygon and its first moments about the origin."""
-    after = np.roll(corners, -1, axis=0)
+    after = np.concatenate([corners[1:], corners[:1]])
     cross = corners[:, 0] * after[:, 1] - corners[:, 1] * after[:, 0]
     return float(0.5 * cross.sum()), ((corners + after) * cross[:, np.newaxis]).sum(axis=0) / 6.0
