@@ -1,10 +1,13 @@
 """Files of testing machines: separators, decimals, headings, units, and faults."""
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import fedic
 from fedic.probes.machine.record import read_record
@@ -26,6 +29,7 @@ FILES = {
     "iso": "Moment,Disp (mm),Load (kN)\n2026-03-01T23:59:59.5Z,0.1,1.5\n2026-03-02T00:00:00Z,0.2,2.5\n"
     "2026-03-02T00:00:00.5Z,0.3,3.5\n",
     "clock": "Moment,Disp (mm),Load (kN)\n2:05:59.0 PM,0.1,1.5\n2:05:59.5 PM,0.2,2.5\n2:06:00.0 PM,0.3,3.5\n",
+    "hours": "Time (hh:mm:ss);Disp (mm);Load (kN)\n23:59:59,5;0,1;1,5\n24:00:00;0,2;2,5\n24:00:00,5;0,3;3,5\n",
     "text columns": "Time (s),Status,Disp (mm),Load (kN)\n0,ok,0.1,1.5\n0.5,ok,0.2,2.5\n1,hold,0.3,3.5\n",
 }
 
@@ -124,6 +128,10 @@ def test_tables_in_memory_are_read() -> None:
     np.testing.assert_array_equal(record.channels["Load"], [1.0, 2.0, 3.0])
     np.testing.assert_array_equal(record.channels["Text"], [1.5, 2.0, 3.0])
     assert record.units == {"Load": "kN", "Text": ""}
+    table["Since"] = table["When"] - table["When"][0]
+    np.testing.assert_allclose(read_record(table, "Since").times, [0.0, 0.5, 1.0])
+    with pytest.raises(fedic.OptionError, match="two columns 'Load'"):
+        read_record(pd.DataFrame([[1, 2, 3]], columns=["Time", "Load", "Load"]), "Time")
     with pytest.raises(fedic.OptionError, match="the column 'Note' holds no numbers"):
         record.find("Note", "columns")
     with pytest.raises(fedic.OptionError, match="times of 'Load' must increase, and row 1 has 1 after 2"):
@@ -132,3 +140,17 @@ def test_tables_in_memory_are_read() -> None:
         read_record(table[:0], "When")
     with pytest.raises(fedic.OptionError, match=r"must be a file or a pandas\.DataFrame, got 3"):
         read_record(3, "When")  # type: ignore[arg-type]
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(text=st.text(alphabet='0123456789,;.\t\n"() eab:-/%\xb5\x00', max_size=200))
+def test_any_text_is_read_or_refused(tmp_path: Path, text: str) -> None:
+    for content in (text, f"Time (s);Load\n0;1\n{text}", f"Time,Load\n{text}\n0,1\n1,2\n"):
+        with contextlib.suppress(fedic.FedicError):
+            assert np.isfinite(read_record(written(tmp_path, content), "Time").times).all()
+
+
+def test_long_headings_and_lines_are_read_soon(tmp_path: Path) -> None:
+    heading = "a( " * 100_000
+    record = read_record(written(tmp_path, f"Time,{heading}\n0,1\n1,2\n"), "Time")
+    assert len(next(iter(record.channels))) == len(heading) - 1

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
@@ -57,6 +58,19 @@ def test_every_field_agrees_with_the_result_at_points() -> None:
         np.testing.assert_allclose([found[f"{name}_{index}"] for name in ALL], expected, rtol=1e-9)
     assert "residual_0_std" not in found
     assert "x_1_std" in found
+
+
+def test_points_of_a_data_frame_and_surfaces_in_space_are_read() -> None:
+    points = pd.DataFrame({"x": [13.0, 71.0], "y": [22.0, 44.0]})
+    slanted = fedic.Mesh(np.column_stack([MESH.points, 0.5 * MESH.points[:, 0]]), MESH.cells)
+    result = result_of(slanted, FIELD)
+    gauge = fedic.Gauge.rectangle(10, 10, 50, 60)
+    for mesh, measured in ((MESH, SERIES.result(2)), (slanted, result)):
+        series = Fields(mesh, [measured])
+        found = table(series, ["x", "exx"], points).loc[0]
+        np.testing.assert_allclose(found[["x_0", "x_1"]].astype(float), measured.at(points)[:, 0])
+        np.testing.assert_allclose(found[["exx_0", "exx_1"]].astype(float), measured.strains(at=points).exx)
+        assert table(series, "exx", gauge).loc[0, "exx"] == pytest.approx(measured.strains().exx[0])
 
 
 def test_axes_are_those_of_the_strains_of_a_result() -> None:
@@ -202,3 +216,13 @@ def test_standard_deviations_agree_with_the_covariance_of_the_displacement() -> 
     cells = table(Fields(SMALL, [result]), "eyy", "set").loc[0, "eyy_std"]
     centres = SMALL.strains(result.displacement).positions[:12]
     assert cells == pytest.approx(np.sqrt(covariance.gauge(centres)[1, 1]), rel=1e-6)
+
+
+def test_pixel_displacements_have_the_deviations_of_the_camera() -> None:
+    camera = fedic.FrontParallel(10.0, (0.0, 110.0))
+    mesh = fedic.rectangle_mesh((2.05, 2.05, 11.05, 9.05), 1.5)
+    images = (speckle(0.0).astype(np.float32), speckle(0.02).astype(np.float32))
+    series = Fields(mesh, [fedic.correlate(*images, mesh, camera, noise=2.0)])
+    found = table(series, ["x", "y", "u", "v"], fedic.Gauge.rectangle(4, 4, 8, 7)).loc[0]
+    assert found["u_std"] == pytest.approx(10.0 * found["x_std"], rel=1e-9)
+    assert found["v_std"] == pytest.approx(10.0 * found["y_std"], rel=1e-9)

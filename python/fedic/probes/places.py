@@ -94,7 +94,7 @@ def places_of(mesh: Mesh, at: At) -> list[Place]:
         return [_of_cells("", mesh, used, np.arange(mesh.num_cells))]
     if isinstance(at, (str, Gauge)):
         return [_place(mesh, at)]
-    if isinstance(at, Iterable) and not isinstance(at, np.ndarray):
+    if isinstance(at, Iterable) and not hasattr(at, "__array__"):
         given = list(at)
         if any(isinstance(each, (str, Gauge)) for each in given):
             places = [_place(mesh, each) for each in given]

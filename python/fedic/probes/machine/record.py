@@ -166,6 +166,10 @@ def _read(source: "StrPath | pd.DataFrame") -> _Columns:
 def _of_table(table: Any) -> _Columns:
     if not len(table):
         raise OptionError("the table of the machine has no rows.", "source")
+    for column in table.columns[table.columns.duplicated()][:1]:
+        raise OptionError(
+            f"the table of the machine has two columns {column!r}; give each a name of its own.", "source"
+        )
     values, units = {}, {}
     for column in table.columns:
         name, unit = name_and_unit(str(column))
@@ -188,7 +192,7 @@ def _numbers(values: Any) -> Floats:
 
 def _times(table: _Columns, clock: str, unit: str) -> Floats:
     values = table.values[clock]
-    if str(getattr(values, "dtype", "")).startswith("datetime64"):
+    if str(getattr(values, "dtype", "")).startswith(("datetime64", "timedelta64")):
         times = np.asarray((values - values.iloc[0]).dt.total_seconds(), dtype=np.float64)
         scale: float | None = 1.0
     else:

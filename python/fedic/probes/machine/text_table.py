@@ -15,10 +15,12 @@ __all__ = ["TextTable", "name_and_unit", "number", "read_text_table"]
 _LIMIT = 1 << 30
 """Largest size of a file, in bytes."""
 _SEPARATORS = ("\t", ";", ",")
+_LONGEST_HEADING = 200
+"""Longest heading in which a unit is looked for."""
 _SAMPLE = 200
 """Number of lines from which the separator is found."""
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+)?")
-_MOMENT = re.compile(r"(\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[ T]+)?\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?( ?[AaPp][Mm])?Z?")
+_MOMENT = re.compile(r"(\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[ T]+)?\d{1,4}:\d{2}(:\d{2}([.,]\d+)?)?( ?[AaPp][Mm])?Z?")
 _MISSING = re.compile(r"|-+|nan|n/?a|null|[+-]?inf(inity)?|#\S*|\*+", re.IGNORECASE)
 _UNIT = re.compile(
     r"[\[(].*[\])]|-?|%|[a-zµμ°²³0-9/^*·.-]{1,4}|[munpµμkMG]?[A-Za-z]{1,2}\^?[²³23]?([/*·][a-zA-Z]{1,4}\^?[²³23]?)?|"
@@ -66,13 +68,14 @@ def number(text: str) -> float:
         NaN if it holds no finite number.
     """
     if not _NUMBER.fullmatch(text):
-        return float("nan")
+        return math.nan
     decimal = max(text.rfind("."), text.rfind(","))
     if decimal >= 0 and text.count(text[decimal]) > 1:
         text = re.sub("[.,]", "", text)
     elif decimal >= 0:
         text = re.sub("[.,]", "", text[:decimal]) + "." + text[decimal + 1 :]
-    return float(text)
+    found = float(text)
+    return found if math.isfinite(found) else math.nan
 
 
 def name_and_unit(text: str) -> tuple[str, str]:
@@ -88,9 +91,10 @@ def name_and_unit(text: str) -> tuple[str, str]:
     name, unit : str
         The unit is empty if there is none.
     """
-    found = _NAME_AND_UNIT.fullmatch(text.strip())
+    text = text.strip()
+    found = _NAME_AND_UNIT.fullmatch(text) if len(text) <= _LONGEST_HEADING else None
     if found is None:
-        return text.strip(), ""
+        return text, ""
     return found["name"].rstrip(" ,_"), (found["bracket"] or found["slash"] or "").strip()
 
 
@@ -159,8 +163,8 @@ def _separator(lines: Sequence[str]) -> str:
 
 
 def _fields(line: str, separator: str) -> list[str]:
-    if '"' in line:
-        return [field.strip() for field in next(csv.reader([line], delimiter=separator))]
+    if '"' in line and len(line) < csv.field_size_limit():
+        return [field.strip() for field in next(csv.reader([line], delimiter=separator), [])]
     return [field.strip() for field in line.split(separator)] if line else []
 
 

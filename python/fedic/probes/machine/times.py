@@ -17,6 +17,7 @@ _UNITS = {
     60.0: ("min", "mins", "minute", "minutes", "minuten"),
     3600.0: ("h", "hr", "hrs", "hour", "hours", "std", "stunden"),
 }
+_HOURS = re.compile(r"(\d{1,4}):(\d{2}):(\d{2}(?:\.\d+)?)")
 _DATES = ("", "%Y-%m-%d ", "%Y/%m/%d ", "%d.%m.%Y ", "%m/%d/%Y ", "%d/%m/%Y ", "%d-%m-%Y ")
 _CLOCKS = ("%H:%M:%S.%f", "%H:%M", "%I:%M:%S.%f %p", "%I:%M %p")
 
@@ -39,7 +40,7 @@ def seconds_per_unit(unit: str) -> float | None:
 
 
 def seconds_of_moments(texts: Sequence[str]) -> Floats | None:
-    """Return the times of date-times or clock times, counted from the first.
+    """Return the times of date-times, or of hours, minutes and seconds, counted from the first.
 
     Parameters
     ----------
@@ -52,6 +53,11 @@ def seconds_of_moments(texts: Sequence[str]) -> Floats | None:
         In seconds; None if the texts do not follow one pattern, or patterns with unlike results.
     """
     cleaned = [" ".join(_cleaned(text).split()) for text in texts]
+    hours = [_HOURS.fullmatch(text) for text in cleaned]
+    if all(hours):
+        parts = np.array([[float(part) for part in match.groups()] for match in hours if match])
+        elapsed = parts @ [3600.0, 60.0, 1.0]
+        return np.asarray(elapsed - elapsed[0])
     found: list[Floats] = []
     for pattern in (date + clock for date in _DATES for clock in _CLOCKS):
         if _parsed([cleaned[0], cleaned[-1]], pattern) is None:
