@@ -130,7 +130,7 @@ def test_the_offset_is_found_within_its_standard_deviation(rate: float, sign: fl
         moments = np.arange(-3.0, 57.0) + rng.uniform(-0.2, 0.2, 60) + true
         signal = sign * 2e-4 * (load(moments - true) + rng.normal(0, 0.08, 60)) + 1e-3
         if faults:
-            signal[[12, 40]] += 5e-3
+            signal[[12, 40]] += 0.05
             signal[20] = np.nan
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message=".*frames without machine data")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 import fedic
 from fedic.probes import frame_table, table
 from fedic.probes.cell_points import typical_cell_size
+from fedic.probes.quantities import QUANTITIES
 from scenes.fields import Fields, result_of
 
 MESH = fedic.rectangle_mesh((0, 0, 100, 80), 10).with_sets(
@@ -150,6 +151,15 @@ def test_a_missing_package_is_named_with_its_extra(monkeypatch: pytest.MonkeyPat
         fedic.FedicError, match=r"pandas is needed for tables of a series.*pip install 'fedic\[tables\]'"
     ):
         table(SERIES, "eyy")
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_derivatives_of_the_fields_are_those_of_finite_differences(name: str) -> None:
+    source, rule = QUANTITIES[name]
+    count = {"displacement": 2, "pixels": 2, "strain": 3, "ends": 4, "quality": 3}[source]
+    means, line, step = np.array([0.3, -0.2, 0.15, 0.4])[:count], np.array([2.0, 1.0]), 1e-6
+    changes = [rule(means + d, line)[0] - rule(means - d, line)[0] for d in step * np.eye(count)]
+    np.testing.assert_allclose(rule(means, line)[1], np.array(changes) / (2 * step), atol=1e-8)
 
 
 SHAPE = (110, 130)
