@@ -20,6 +20,7 @@ _LONGEST_HEADING = 200
 _SAMPLE = 200
 """Number of lines from which the separator is found."""
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+)?")
+_NUMERALS = dict.fromkeys(map(ord, "0123456789+-.,eE"))
 _MOMENT = re.compile(r"(\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[ T]+)?\d{1,4}:\d{2}(:\d{2}([.,]\d+)?)?( ?[AaPp][Mm])?Z?")
 _MISSING = re.compile(r"|-+|nan|n/?a|null|[+-]?inf(inity)?|#\S*|\*+", re.IGNORECASE)
 _UNIT = re.compile(
@@ -67,6 +68,12 @@ def number(text: str) -> float:
     float
         NaN if it holds no finite number.
     """
+    try:  # most numbers are of this kind
+        found = float(text.replace(",", "."))
+    except ValueError:
+        found = math.nan
+    if math.isfinite(found) and "_" not in text:
+        return found
     if not _NUMBER.fullmatch(text):
         return math.nan
     decimal = max(text.rfind("."), text.rfind(","))
@@ -170,6 +177,8 @@ def _fields(line: str, separator: str) -> list[str]:
 
 def _is_data(fields: Sequence[str]) -> bool:
     """Return whether at least half of the fields are numbers or moments, and the rest is missing or text."""
+    if not "".join(fields).translate(_NUMERALS):  # most rows are of this kind
+        return any(map(str.isdecimal, "".join(fields)))
     known = _known(fields)
     return known > 0 and 2 * known >= _filled(fields)
 
