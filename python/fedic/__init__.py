@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from fedic.campaign import Campaign, FrameRecord, load
     from fedic.cross_validation import RegularizationCurve, regularization_curve
     from fedic.noise import CameraNoise, NoiseFloor, camera_noise, noise_floor
+    from fedic.probes import Gauge
     from fedic.registration import Registration, boundary_features, register
 
 __all__ = [
@@ -77,6 +78,7 @@ __all__ = [
     "FedicError",
     "FrameRecord",
     "FrontParallel",
+    "Gauge",
     "ImageError",
     "ImageFrame",
     "Iteration",
@@ -130,6 +132,7 @@ _LAZY = {
     "write_camera": "cameras.files",
     "RegularizationCurve": "cross_validation",
     "regularization_curve": "cross_validation",
+    "Gauge": "probes",
     "Registration": "registration",
     "boundary_features": "registration",
     "register": "registration",

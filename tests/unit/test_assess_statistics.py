@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import fedic
-from fedic.assess.rigid import fit_rigid_motion
 from fedic.assess.squares import square_samples
 from fedic.assess.statistics import deviations, pixel_size, zero_displacement_deviation, zero_strain_deviation
+from fedic.results.rigid import fit_rigid_motion
 
 CORNERS = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
 

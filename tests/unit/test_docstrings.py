@@ -9,7 +9,7 @@ import pytest
 
 import fedic
 
-MODULES = ("", "calibration", "registration", "synthetic")
+MODULES = ("", "calibration", "probes", "registration", "synthetic")
 
 
 def public_objects() -> dict[str, Any]:

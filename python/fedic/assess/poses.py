@@ -9,7 +9,6 @@ import numpy as np
 from fedic._internal.choices import check_choice
 from fedic._internal.types import Floats
 from fedic.assess.assessment import LIMITS, Assessment, Check, Reading
-from fedic.assess.rigid import fit_rigid_motion
 from fedic.assess.squares import average_over_squares
 from fedic.assess.statistics import (
     Deviations,
@@ -21,6 +20,7 @@ from fedic.assess.statistics import (
 )
 from fedic.errors import OptionError
 from fedic.results import Result
+from fedic.results.rigid import fit_rigid_motion
 
 __all__ = ["Pose", "assess_poses"]
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fedic._internal.types import Floats
-from fedic.assess.rigid import fit_rigid_motion
+from fedic.results.rigid import fit_rigid_motion
 
 __all__ = [
     "Deviations",

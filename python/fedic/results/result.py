@@ -1,7 +1,7 @@
 """The result of a measurement."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from fedic._core import Mesh
 from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, StrPath
-from fedic.errors import ImageError, OptionError
+from fedic.errors import FedicError, ImageError, OptionError
 from fedic.io.results import write_result
 from fedic.results.attempt import Attempt
 from fedic.results.covariance import Covariance
+from fedic.results.pixels import pixel_displacement
 from fedic.results.quality import Quality
+from fedic.results.rigid import RigidMotion, fit_rigid_motion
 from fedic.results.strains import StrainAxes, StrainMeasure, Strains
 
 if TYPE_CHECKING:
@@ -195,6 +197,45 @@ class Result:
             If an argument is unknown or has the wrong shape.
         """
         return self.mesh.strains(self.displacement, measure, at, axes, centre=centre, valid_cells=self.valid_cells)
+
+    def rigid_motion(self) -> RigidMotion:
+        """Fit a rigid motion of any size to the displacement of the measured nodes.
+
+        Returns
+        -------
+        RigidMotion
+            ``translation`` of the centre of the measured nodes in the mesh's unit, ``rotation`` in radians, and the
+            ``residual`` of each node, (n, 2); NaN if fewer than two nodes were measured.
+        """
+        return fit_rigid_motion(self.mesh.points[:, :2], self.displacement)
+
+    def without_rigid_motion(self) -> "Result":
+        """Take the rigid motion out of the displacement: the deformed mesh is shifted and turned back.
+
+        Returns
+        -------
+        Result
+            ``displacement``, ``unchecked_displacement`` and ``pixel_displacement`` without `rigid_motion`, in the
+            mesh's frame. Green-Lagrange and Hencky strains, residuals, flags and history are those of the measurement.
+            The deformed image shows the motion, so the result no longer refers to the images: `plot`, `residual_map`
+            and `covariance` are those of the measured result.
+
+        Raises
+        ------
+        FedicError
+            If fewer than two nodes were measured.
+        """
+        motion, points = self.rigid_motion(), self.mesh.points
+        if math.isnan(motion.rotation):
+            raise FedicError("The rigid motion is not known: fewer than two nodes of the result were measured.")
+        displacement = motion.taken_from(points[:, :2], self.displacement)
+        return replace(
+            self,
+            displacement=displacement,
+            pixel_displacement=pixel_displacement(self.camera, points, displacement),
+            unchecked_displacement=motion.taken_from(points[:, :2], self.unchecked_displacement),
+            _measurement=None,
+        )
 
     def plot(
         self,

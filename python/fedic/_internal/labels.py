@@ -1,0 +1,47 @@
+"""Labels of the nodes and cells of a mesh, as the program that made it numbers them."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fedic._core import Mesh
+
+__all__ = ["cell_labels", "node_labels"]
+
+
+def node_labels(mesh: Mesh) -> NDArray[Any]:
+    """Return the labels of the nodes.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        ``mesh.node_labels`` if it has them, or else the indices from 0.
+    """
+    return _labels(mesh, "node_labels", mesh.num_nodes)
+
+
+def cell_labels(mesh: Mesh) -> NDArray[Any]:
+    """Return the labels of the cells.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The mesh.
+
+    Returns
+    -------
+    ndarray, shape (num_cells,)
+        ``mesh.cell_labels`` if it has them, or else the indices from 0.
+    """
+    return _labels(mesh, "cell_labels", mesh.num_cells)
+
+
+def _labels(mesh: Mesh, name: str, count: int) -> NDArray[Any]:
+    labels = getattr(mesh, name, None)
+    return np.arange(count) if labels is None else np.asarray(labels)
