@@ -164,7 +164,15 @@ def test_the_example_lists_every_key(repository: Path) -> None:
 
     schema = Config.model_json_schema()
     check(schema, schema["$defs"])
-    assert {"[images]", "[mesh]", "[camera]", "[camera.distortion]", "[correlation]", "[series]", "[output]"} <= sections
+    assert {
+        "[images]",
+        "[mesh]",
+        "[camera]",
+        "[camera.distortion]",
+        "[correlation]",
+        "[series]",
+        "[output]",
+    } <= sections
 
 
 def test_the_open_hole_camera_projects_to_the_reference_pixels(

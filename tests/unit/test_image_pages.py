@@ -102,7 +102,8 @@ def test_a_page_has_its_own_results(tmp_path: Path) -> None:
     images = [fedic.synthetic.render(texture, frame, (60, 80), displacement=(u, 0.0)) for u in (0.0, 0.3, 0.6)]
     tifffile.imwrite(tmp_path / "stack.tif", np.stack(images), photometric="minisblack")
     (tmp_path / "test.toml").write_text(
-        CONFIG.format(deformed='["stack.tif#1", "stack.tif#2"]').replace("45, 35", "65, 45") + 'pictures = false\nfiles = ["vtu", "npz"]\n'
+        CONFIG.format(deformed='["stack.tif#1", "stack.tif#2"]').replace("45, 35", "65, 45")
+        + 'pictures = false\nfiles = ["vtu", "npz"]\n'
     )
     frames = list(measure_series(load_config(tmp_path / "test.toml")))
     assert [frame.error for frame in frames] == [None, None]

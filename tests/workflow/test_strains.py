@@ -50,7 +50,8 @@ def test_a_run_names_the_measure_in_its_files(rotated_pair: Pair, tmp_path: Path
     (tmp_path / "test.toml").write_text(
         '[images]\nreference = "reference.png"\ndeformed = "rotated.png"\n'
         f"[mesh.rectangle]\nbounds = {list(BOUNDS)}\nsize = 20.0\n"
-        f'[correlation]\ninitial = "pyramid"\n[output]\nfolder = "out"\npictures = false\nfiles = ["vtu", "npz"]\n{chosen}'
+        '[correlation]\ninitial = "pyramid"\n[output]\nfolder = "out"\npictures = false\n'
+        f'files = ["vtu", "npz"]\n{chosen}'
     )
     outcome = CliRunner().invoke(app, ["run", str(tmp_path / "test.toml")])
     assert outcome.exit_code == 0, outcome.output

@@ -3,21 +3,19 @@
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from fedic._core import CORRELATION_OPTIONS, STRAIN_MEASURES, ImageFrame, Mesh
 from fedic._internal.choices import check_choice
 from fedic._internal.masks import pixel_mask
-from fedic._internal.types import Camera, Floats, StrPath
+from fedic._internal.types import Camera, StrPath
 from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
 from fedic.campaign.frames import FrameEntry, FrameSeries, Times, load_entry
-from fedic.campaign.frames.entry import checked_entry, entry_files, image_count
+from fedic.campaign.frames.entry import checked_entry, image_count
 from fedic.campaign.progress_bar import progress_bar
+from fedic.campaign.readings import CampaignReadings
 from fedic.campaign.record import FrameRecord
-from fedic.campaign.results import StoredResults, records_of
 from fedic.campaign.run import Measured, Run
 from fedic.campaign.setup import Setup
 from fedic.campaign.store import CampaignFile
@@ -27,7 +25,7 @@ from fedic.errors import FedicError, OptionError, QualityWarning
 from fedic.options import core_options, with_options
 from fedic.progress import ProgressCallback
 from fedic.regularization.equilibrium_gap import Regularization
-from fedic.results import Covariance, Result, StrainMeasure
+from fedic.results import StrainMeasure
 from fedic.starts.initial import Initial, checked_initial
 
 if TYPE_CHECKING:
@@ -51,7 +49,7 @@ __all__ = ["Campaign", "load"]
 
 
 @with_options(CORRELATION_OPTIONS)
-class Campaign:
+class Campaign(CampaignReadings):
     """A series of deformed images, measured on one mesh and kept in one file.
 
     Nothing is measured before `run`. A run that was interrupted, even killed, goes on where it stopped. Frames that
@@ -144,47 +142,21 @@ class Campaign:
         ):
             check_choice(name, value, choices)
         core_options(options, CORRELATION_OPTIONS, _ARGUMENTS)
-        self._reference: FrameEntry | None = checked_entry(reference, "reference")
+        entry = checked_entry(reference, "reference")
         self._series: FrameSeries | None = FrameSeries(frames, times)
-        self._setup = Setup(
+        setup = Setup(
             mesh,
             camera,
             checked_unit(unit, camera) or None,
-            None if mask is None else pixel_mask(mask, load_entry(self._reference, "reference").shape),
+            None if mask is None else pixel_mask(mask, load_entry(entry, "reference").shape),
             regularization,
             checked_initial(initial, mesh),
-            _with_noise_of_means(options, self._reference, self._series),
+            _with_noise_of_means(options, entry, self._series),
             starts,
             reference_update,
             strain_measure,
         )
-        self._file = CampaignFile(None if store is None else Path(store))
-        self._results: StoredResults | None = None
-
-    @property
-    def mesh(self) -> Mesh:
-        """The mesh."""
-        return self._setup.mesh
-
-    @property
-    def camera(self) -> Camera:
-        """The camera."""
-        return self._setup.camera
-
-    @property
-    def unit(self) -> str:
-        """Unit of length of the mesh; empty if it was not given."""
-        return self._setup.unit or ""
-
-    @property
-    def path(self) -> Path | None:
-        """The file of the results; None if they are in memory."""
-        return self._file.path
-
-    @property
-    def frames(self) -> list[FrameRecord]:
-        """What is known of each finished frame, those that failed too."""
-        return records_of(self._file) if self._file.exists else []
+        super().__init__(setup, CampaignFile(None if store is None else Path(store)), entry)
 
     def run(
         self,
@@ -262,84 +234,6 @@ class Campaign:
         """
         self._run().check()
 
-    def __len__(self) -> int:
-        """Return the number of finished frames."""
-        return self._file.num_frames() if self._file.exists else 0
-
-    @overload
-    def __getitem__(self, index: int) -> Result: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> list[Result]: ...
-
-    def __getitem__(self, index: int | slice) -> Result | list[Result]:
-        """Return the result of a frame, or of several; as `result`."""
-        numbers = range(len(self))
-        if isinstance(index, slice):
-            return [self.result(number) for number in numbers[index]]
-        try:
-            return self.result(numbers[index])
-        except IndexError:
-            raise IndexError(f"there is no frame {index}; {len(numbers)} frames are finished") from None
-
-    def __iter__(self) -> Iterator[Result]:
-        """Yield the results of the frames that were measured."""
-        for record in self.frames:
-            if record.is_measured:
-                yield self.result(record.index)
-
-    def result(self, index: int) -> Result:
-        """Return the result of a frame.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from 0.
-
-        Returns
-        -------
-        Result
-            The result. Fields other than the displacement have single precision.
-
-        Raises
-        ------
-        FedicError
-            If the frame was not measured; the message says why.
-        """
-        return self._stored().result(index)
-
-    def covariance(self, index: int) -> Covariance | None:
-        """Return the covariance of the displacement of a frame; see `Result.covariance`.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from 0.
-
-        Returns
-        -------
-        Covariance or None
-            None if the noise is not known, or an image is not any more.
-        """
-        return self._stored().covariance(index)
-
-    def drift(self, index: int) -> Floats | None:
-        """Return the difference of two ways to measure a frame.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from 0.
-
-        Returns
-        -------
-        ndarray of float, shape (n, 2), or None
-            Displacement through later reference images minus the direct one, in the mesh's unit; NaN if only one was
-            measured. None if the reference image is never updated.
-        """
-        drift = self._file.frame(index).fields.get("PointData/drift")
-        return None if drift is None else np.asarray(drift[:, :2], dtype=np.float64)
-
     def __repr__(self) -> str:
         records = self.frames
         doubtful = sum(not record.good for record in records if record.is_measured)
@@ -354,13 +248,6 @@ class Campaign:
         if self._series is None or self._reference is None:
             raise FedicError(f"{self._file.name}: a campaign that was loaded has no frames to measure.")
         return Run(self._setup, self._series, self._reference, self._stored())
-
-    def _stored(self) -> StoredResults:
-        if self._results is None:
-            array = self._reference
-            image = None if array is None or entry_files(array) else load_entry(array, "reference")
-            self._results = StoredResults(self._file, self._setup, image)
-        return self._results
 
 
 def load(path: StrPath) -> Campaign:
@@ -383,12 +270,9 @@ def load(path: StrPath) -> Campaign:
     """
     file = CampaignFile(Path(path))
     campaign = Campaign.__new__(Campaign)
-    campaign._file = file
-    campaign._setup = file.setup()
     campaign._series = None
-    files = file.text("reference")["files"]
-    campaign._reference = [Path(name) for name in files] if files else None
-    campaign._results = None
+    files = [Path(name) for name in file.text("reference")["files"]]
+    CampaignReadings.__init__(campaign, file.setup(), file, files or None)
     return campaign
 
 
