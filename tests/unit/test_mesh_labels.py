@@ -160,6 +160,22 @@ def test_exodus_files_have_labels(tmp_path: Path) -> None:
     assert (mesh.node_labels.tolist(), mesh.cell_labels.tolist()) == (NODES, CELLS)
 
 
+def test_med_files_that_number_all_their_cells_have_labels(mesh: fedic.Mesh, tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    mesh.with_sets({}).write(tmp_path / "plate.med")
+
+    def number(code: str, labels: list[int]) -> fedic.Mesh:
+        with h5py.File(tmp_path / "plate.med", "r+") as file:
+            (whole,) = file["ENS_MAA"].values()
+            step = whole if "NOE" in whole else next(iter(whole.values()))
+            (step["MAI"][code] if code else step["NOE"])["NUM"] = labels
+        return fedic.read_mesh(tmp_path / "plate.med")
+
+    np.testing.assert_array_equal(number("", NODES).node_labels, NODES)
+    assert number("QU4", CELLS[:1]).cell_labels is None
+    np.testing.assert_array_equal(number("TR3", CELLS[1:]).cell_labels, CELLS)
+
+
 def test_abaqus_files_keep_the_labels(mesh: fedic.Mesh, tmp_path: Path) -> None:
     mesh.write(tmp_path / "written.inp")
     again = fedic.read_mesh(tmp_path / "written.inp")

@@ -8,7 +8,8 @@ use fedic_mesh::{CellType, Mesh, MeshError, rectangle_mesh};
 
 /// Two cells of four nodes each, side by side, with labels.
 fn labelled() -> Mesh {
-    let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [9.0, 9.0]];
+    let points =
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [9.0, 9.0]];
     let mesh = Mesh::new(points.map(|[x, y]| [x, y, 0.0]).to_vec(), &[(CellType::Quad, (0..8).collect())]).unwrap();
     mesh.with_labels(Some(vec![10, 20, 30, 40, 15, 25, 35, 45, 7]), Some(vec![200, 100])).unwrap()
 }
@@ -49,7 +50,8 @@ fn new_nodes_of_a_cut_have_labels_after_the_largest() {
 #[test]
 fn labels_that_do_not_tell_nodes_and_cells_apart_are_refused() {
     let mesh = rectangle_mesh([0.0, 0.0, 2.0, 1.0], 1.0, CellType::Quad).unwrap();
-    let refused = |nodes: Option<Vec<i64>>, cells: Option<Vec<i64>>| mesh.clone().with_labels(nodes, cells).unwrap_err();
+    let refused =
+        |nodes: Option<Vec<i64>>, cells: Option<Vec<i64>>| mesh.clone().with_labels(nodes, cells).unwrap_err();
     let count = refused(Some(vec![1, 2]), None);
     assert_eq!(count, MeshError::LabelCount { kind: "node", expected: 6, found: 2 });
     assert_eq!(count.to_string(), "a mesh of 6 nodes has as many node labels; 2 were given");
