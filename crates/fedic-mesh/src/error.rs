@@ -100,6 +100,36 @@ pub enum MeshError {
         /// Number of nodes or cells of the mesh.
         count: usize,
     },
+    /// There is not one label for each node or cell.
+    #[error("a mesh of {expected} {kind}s has as many {kind} labels; {found} were given")]
+    LabelCount {
+        /// "node" or "cell".
+        kind: &'static str,
+        /// Number of nodes or cells of the mesh.
+        expected: usize,
+        /// Number of labels.
+        found: usize,
+    },
+    /// A label that is not positive, or too large.
+    #[error("{kind} {index} has the label {label}; labels are integers from 1 to 2^53")]
+    InvalidLabel {
+        /// "node" or "cell".
+        kind: &'static str,
+        /// Index of the node or cell.
+        index: usize,
+        /// Its label.
+        label: i64,
+    },
+    /// Two nodes or two cells with the same label.
+    #[error("{kind}s {} and {} have the same label {label}; labels tell {kind}s apart", indices[0], indices[1])]
+    RepeatedLabel {
+        /// "node" or "cell".
+        kind: &'static str,
+        /// Indices of the nodes or cells.
+        indices: [usize; 2],
+        /// Their label.
+        label: i64,
+    },
     /// A mesh is scaled by a factor that is not positive.
     #[error("a mesh is scaled by a positive finite factor, got {factor}")]
     InvalidScale {

@@ -70,6 +70,14 @@ pub(crate) fn numbers(object: &Bound<'_, PyAny>) -> Option<Vec<f64>> {
     Some(array.as_array().to_vec())
 }
 
+/// A 1-dimensional array of integers; numbers that are no integers are refused.
+pub(crate) fn integers(object: &Bound<'_, PyAny>, name: &str, raise: Raise) -> PyResult<Vec<i64>> {
+    match numbers(object) {
+        Some(numbers) if numbers.iter().all(|x| x.fract() == 0.0) => Ok(numbers.iter().map(|&x| x as i64).collect()),
+        _ => Err(raise(format!("{name} must be a 1-dimensional array of integers, got {}", describe(object)))),
+    }
+}
+
 /// A 2-dimensional array of float64.
 pub(crate) fn matrix<'py>(
     object: &Bound<'py, PyAny>,

@@ -1,14 +1,12 @@
 //! The mesh.
 
-use std::str::FromStr;
-
 use fedic::{CellType, Error, Locator, MeshError, cell_areas, interpolate_field, rotation_from_vector};
 use numpy::{PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{self, indices, matrix, rows, to_array};
-use crate::connectivity::{blocks, table};
+use crate::arrays::{self, matrix, rows, to_array};
+use crate::connectivity::{blocks, read_blocks, table};
 use crate::errors::{IntoPyErr, argument_error, mesh_error};
 use crate::mesh_set;
 use crate::strains::{self, StrainQuery};
@@ -31,12 +29,14 @@ const CHUNK: usize = 1 << 16;
 ///     Node indices of the cells of each type, under the names of `CELL_TYPES` (meshio's) and in meshio's node order.
 /// sets : mapping of str to MeshSet, optional
 ///     Named sets of nodes and cells.
+/// node_labels, cell_labels : (n,) and (num_cells,) array_like of int, optional
+///     Numbers of the nodes and cells in another program: from 1 on, each once; cells over all types in order.
 ///
 /// Raises
 /// ------
 /// MeshError
 ///     If an array has the wrong shape or type, a coordinate is not finite, a cell or set refers to a node or cell that does
-///     not exist, or a cell has zero area, is folded or lists a node twice and is no triangle written as a quadrilateral; ``error.cells`` and ``error.nodes`` list the ones at fault.
+///     not exist, labels are not as many, not positive or equal, or a cell has zero area, is folded or lists a node twice and is no triangle written as a quadrilateral; ``error.cells`` and ``error.nodes`` list the ones at fault.
 #[pyclass(frozen, module = "fedic._core")]
 pub(crate) struct Mesh {
     pub(crate) inner: fedic::Mesh,
@@ -53,32 +53,23 @@ pub(crate) fn any_mesh<'a>(object: &'a Bound<'_, PyAny>) -> PyResult<&'a fedic::
 #[pymethods]
 impl Mesh {
     #[new]
-    #[pyo3(signature = (points, cells, sets=None))]
-    fn new(points: &Bound<'_, PyAny>, cells: &Bound<'_, PyAny>, sets: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    #[pyo3(signature = (points, cells, sets=None, node_labels=None, cell_labels=None))]
+    fn new(
+        points: &Bound<'_, PyAny>,
+        cells: &Bound<'_, PyAny>,
+        sets: Option<&Bound<'_, PyAny>>,
+        node_labels: Option<&Bound<'_, PyAny>>,
+        cell_labels: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
         let (points, dimension) = arrays::points(points, "points", mesh_error)?;
-        let mapping = cells.cast::<PyMapping>().map_err(|_| {
-            mesh_error(format!(
-                "cells must be a mapping such as {{\"quad\": (m, 4) array}}, got {}",
-                arrays::describe(cells)
-            ))
-        })?;
-        let mut blocks = Vec::new();
-        for item in mapping.items()? {
-            let (name, connectivity): (String, Bound<'_, PyAny>) = item
-                .extract()
-                .map_err(|_| mesh_error("the keys of cells must be names of cell types such as \"quad\"".to_owned()))?;
-            let cell_type = CellType::from_str(&name).map_err(IntoPyErr::into_py_err)?;
-            let (connectivity, found) = indices(&connectivity, &format!("cells[\"{name}\"]"), mesh_error)?;
-            if found != cell_type.num_nodes() && !connectivity.is_empty() {
-                return Err(MeshError::WrongNodeCount { cell_type, found }.into_py_err());
-            }
-            blocks.push((cell_type, connectivity));
-        }
-        let mut inner = fedic::Mesh::new(points, &blocks).map_err(IntoPyErr::into_py_err)?;
-        if let Some(sets) = sets {
-            inner = inner.with_sets(mesh_set::read(sets)?).map_err(IntoPyErr::into_py_err)?;
-        }
-        Ok(Self { inner, dimension })
+        let labels = |given: Option<&Bound<'_, PyAny>>, name: &str| {
+            given.map(|labels| arrays::integers(labels, name, mesh_error)).transpose()
+        };
+        let (node_labels, cell_labels) = (labels(node_labels, "node_labels")?, labels(cell_labels, "cell_labels")?);
+        let sets = sets.map(mesh_set::read).transpose()?.unwrap_or_default();
+        let mesh = fedic::Mesh::new(points, &read_blocks(cells)?);
+        let mesh = mesh.and_then(|mesh| mesh.with_sets(sets)?.with_labels(node_labels, cell_labels));
+        Ok(Self { inner: mesh.map_err(IntoPyErr::into_py_err)?, dimension })
     }
 
     /// Coordinates of the nodes, (n, 2) or (n, 3) float64: a copy.
@@ -107,6 +98,20 @@ impl Mesh {
     #[getter]
     fn sets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         mesh_set::to_dict(py, self.inner.sets())
+    }
+
+    /// Label of each node, (n,) int64: its number in the program that made the mesh; None if there are none. A copy.
+    ///
+    /// Filled by `read_mesh`, kept by the transformations, by pickle and in ``.inp`` files.
+    #[getter]
+    fn node_labels<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<i64>>> {
+        self.inner.node_labels().map(|labels| PyArray1::from_slice(py, labels))
+    }
+
+    /// Label of each cell, (num_cells,) int64, over all types in order; see `node_labels`.
+    #[getter]
+    fn cell_labels<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<i64>>> {
+        self.inner.cell_labels().map(|labels| PyArray1::from_slice(py, labels))
     }
 
     /// The mesh with other named sets.
@@ -205,7 +210,7 @@ impl Mesh {
 
     /// The mesh with nodes joined that are close to each other.
     ///
-    /// Joined nodes become the lowest-numbered one, at its place; the nodes that remain keep their order. Cells keep their
+    /// Joined nodes become the one of the lowest index, at its place and with its label; the nodes that remain keep their order. Cells keep their
     /// numbers, and sets are renumbered. A quadrilateral that loses one edge is measured as a triangle.
     ///
     /// Parameters
@@ -245,7 +250,7 @@ impl Mesh {
     /// -------
     /// Mesh
     ///     The same cells in the same order. Nodes keep their indices. Where the line separates cells, those to the right of it
-    ///     (towards ``-y`` of a line along ``+x``) get a new node; new nodes come last, in the order of the line. An end of the line inside the mesh stays single. Sets get the
+    ///     (towards ``-y`` of a line along ``+x``) get a new node; new nodes come last, in the order of the line, and their labels follow the largest one. An end of the line inside the mesh stays single. Sets get the
     ///     new nodes of their nodes; those that hold the nodes of their cells and no others still do.
     ///
     /// Raises
@@ -298,7 +303,7 @@ impl Mesh {
     /// ----------
     /// path : str or path
     ///     The suffix names the format: ``.vtu``, ``.inp`` (Abaqus), or any other that meshio writes. Formats without named
-    ///     sets hold them as fields ``set:NAME`` of ones and zeros, if they hold fields.
+    ///     sets hold them as fields ``set:NAME`` of ones and zeros, if they hold fields. ``.inp`` alone holds the labels.
     ///
     /// Raises
     /// ------
@@ -306,9 +311,8 @@ impl Mesh {
     ///     If the format is unknown or cannot hold the cell types, the nodes or the sets of the mesh.
     /// FedicError
     ///     If the file cannot be written.
-    fn write(&self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<()> {
-        let arguments = (path, self.points(py)?, self.cells(py)?, self.sets(py)?);
-        py.import("fedic.io._mesh_writer")?.call_method1("write_mesh", arguments)?;
+    fn write(slf: &Bound<'_, Self>, path: &Bound<'_, PyAny>) -> PyResult<()> {
+        slf.py().import("fedic.io._mesh_writer")?.call_method1("write_mesh", (path, slf))?;
         Ok(())
     }
 
@@ -460,7 +464,8 @@ impl Mesh {
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        (self.points(py)?, self.cells(py)?, self.sets(py)?).into_pyobject(py)
+        let labels = (self.node_labels(py), self.cell_labels(py));
+        (self.points(py)?, self.cells(py)?, self.sets(py)?, labels.0, labels.1).into_pyobject(py)
     }
 
     fn __repr__(&self) -> String {

@@ -38,6 +38,10 @@ class MeshFile:
         instance.
     parts : dict of str to list of ndarray of int
         As `cell_sets`: blocks and numbered groups, which can be chosen by name and are no sets of the mesh.
+    node_labels : ndarray of int, shape (n,), or None
+        Number of each node in the file, if the file numbers them.
+    cell_labels : list of ndarray of int, or None
+        For each block, the number of each of its cells.
     needs_selection : str
         Why the file as a whole is not one mesh, and what can be chosen; empty if it is one.
     """
@@ -49,6 +53,8 @@ class MeshFile:
     surfaces: dict[str, list[Block]] = field(default_factory=dict)
     parts: dict[str, list[Indices]] = field(default_factory=dict)
     needs_selection: str = ""
+    node_labels: Indices | None = None
+    cell_labels: list[Indices] | None = None
 
     def surface_cells(self) -> dict[str, Indices]:
         """Return the surface cells by type, in the order in which the types first appear.
@@ -80,6 +86,21 @@ class MeshFile:
             if len(nodes):
                 sets[name] = MeshSet(nodes, np.concatenate([np.empty(0, dtype=np.int64), *cells]))
         return sets
+
+    def labels(self) -> tuple[Indices | None, Indices | None]:
+        """Return the labels of the nodes and of the surface cells, in the order of `surface_cells`.
+
+        Returns
+        -------
+        node_labels, cell_labels : ndarray of int, or None
+            None if the file has none, two are equal, as in several instances of a part, or one is not positive.
+        """
+        cells = None
+        if self.cell_labels is not None:
+            of_blocks = [(name, labels) for (name, _), labels in zip(self.blocks, self.cell_labels, strict=True)]
+            surface = joined([block for block in of_blocks if block[0] in CELL_TYPES])
+            cells = np.concatenate([np.empty(0, dtype=np.int64), *surface.values()])
+        return _valid_labels(self.node_labels), _valid_labels(cells)
 
     def check_nodes(self, path: Path) -> None:
         """Check that the cells and sets refer to nodes of the file.
@@ -121,17 +142,23 @@ class MeshFile:
         return starts
 
 
+def _valid_labels(labels: Indices | None) -> Indices | None:
+    if labels is None or len(np.unique(labels)) < len(labels) or labels.min(initial=1) < 1:
+        return None
+    return labels
+
+
 def joined(blocks: list[Block]) -> dict[str, Indices]:
     """Join blocks of one type.
 
     Parameters
     ----------
-    blocks : list of (str, ndarray of int, shape (m, k))
-        Cells.
+    blocks : list of (str, ndarray of int, shape (m, k) or (m,))
+        Cells, or their labels.
 
     Returns
     -------
-    dict of str to ndarray of int, shape (m, k)
+    dict of str to ndarray of int, shape (m, k) or (m,)
         The types in the order in which they first appear.
     """
     names = dict.fromkeys(name for name, _ in blocks)

@@ -1,13 +1,11 @@
 """Writing meshes, with a check that the file holds all of the mesh."""
 
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fedic._core import Mesh, MeshSet
+from fedic._core import Mesh
 from fedic._internal.types import StrPath
 from fedic.errors import FedicError, MeshError
 from fedic.io.mesh_formats import mesh_writer
@@ -19,24 +17,15 @@ _COORDINATE_TOLERANCE = 1e-9
 """Largest rounding of a coordinate by a text format, relative to the size of the mesh."""
 
 
-def write_mesh(
-    path: StrPath,
-    points: NDArray[np.float64],
-    cells: Mapping[str, NDArray[np.int64]],
-    sets: Mapping[str, MeshSet],
-) -> None:
+def write_mesh(path: StrPath, mesh: Mesh) -> None:
     """Write a mesh; this is `Mesh.write`.
 
     Parameters
     ----------
     path : str or path
         The file; its suffix names the format.
-    points : ndarray, shape (n, 2) or (n, 3)
-        Nodes.
-    cells : dict of str to ndarray of int, shape (m, k)
-        Cells by type.
-    sets : dict of str to MeshSet
-        Named sets.
+    mesh : Mesh
+        The mesh.
 
     Raises
     ------
@@ -46,7 +35,7 @@ def write_mesh(
         If the file cannot be written.
     """
     path = Path(path)
-    mesh = Mesh(points, cells, sets)
+    points, cells, sets = mesh.points, mesh.cells, mesh.sets
     points = np.ascontiguousarray(np.pad(points, ((0, 0), (0, 3 - points.shape[1]))))
     node_sets = {name: each.nodes for name, each in sets.items()}
     cell_sets = {name: each.cells for name, each in sets.items() if len(each.cells)}
@@ -54,7 +43,7 @@ def write_mesh(
         # Some formats write several files that name each other: they are written under their final names.
         with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as folder:
             temporary = Path(folder, path.name)
-            mesh_writer(path)(temporary, points, cells, node_sets, cell_sets)
+            mesh_writer(path, mesh.node_labels, mesh.cell_labels)(temporary, points, cells, node_sets, cell_sets)
             _check(temporary, path, mesh)
             for written in Path(folder).iterdir():
                 written.replace(path.parent / written.name)

@@ -35,7 +35,8 @@ def read_mesh(path: StrPath) -> Mesh:
         With all nodes of the file, in the file's order and unit, so that node ``i`` is still the ``i``-th of the file,
         also after a choice. Nodes are 2-D if ``z`` is zero at all nodes of its cells, 3-D otherwise. ``mesh.sets``
         holds Abaqus's ``*NSET`` and ``*ELSET``, Gmsh's named physical groups and the sets that `Mesh.write` writes,
-        restricted to the part chosen. A set of lines, such as a boundary, holds their nodes.
+        restricted to the part chosen. A set of lines, such as a boundary, holds their nodes. ``mesh.node_labels`` and
+        ``mesh.cell_labels`` are the numbers of the nodes and cells in the file, None if it has none or two are equal.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def read_mesh(path: StrPath) -> Mesh:
     if points.shape[1] == 3 and not points[used, 2].any():
         points = points[:, :2]
     try:
-        return Mesh(np.ascontiguousarray(points, dtype=np.float64), cells, contents.sets())
+        return Mesh(np.ascontiguousarray(points, dtype=np.float64), cells, contents.sets(), *contents.labels())
     except MeshError as error:
         raise MeshError(f"{file}: {error}", error.cells, error.nodes) from error
 

@@ -40,7 +40,7 @@ impl Mesh {
 
     /// The mesh with nodes joined that are at most `tolerance` apart, in the mesh's unit, directly or by way of others.
     ///
-    /// Joined nodes become the lowest-numbered one, at its place; the nodes that remain keep their order. Cells keep theirs, and
+    /// Joined nodes become the one of the lowest index, at its place and with its label; the nodes that remain keep their order. Cells keep theirs, and
     /// sets are renumbered. A quadrilateral that loses one edge is kept and measured as a triangle.
     ///
     /// # Errors
@@ -80,6 +80,7 @@ impl Mesh {
             points: kept.iter().map(|&node| self.points[node as usize]).collect(),
             nodes: self.nodes.iter().map(new_node).collect(),
             sets: sets.collect(),
+            node_labels: self.labels_of(&kept),
             ..self.clone()
         };
         match mesh.orient().and_then(|()| mesh.check_repeated_nodes()) {

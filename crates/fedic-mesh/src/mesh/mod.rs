@@ -1,4 +1,4 @@
-//! The mesh: nodes, cells of any mixture of types and named sets, validated on construction.
+//! The mesh: nodes, cells of any mixture of types, named sets and labels, validated on construction.
 
 mod boundary;
 mod coincident;
@@ -6,6 +6,7 @@ mod collapsed;
 mod distortion;
 mod edges;
 mod hanging;
+mod labels;
 mod orientation;
 mod sets;
 mod slits;
@@ -34,6 +35,8 @@ pub struct Mesh {
     nodes: Vec<u32>,
     flipped: Vec<usize>,
     sets: BTreeMap<String, MeshSet>,
+    node_labels: Option<Vec<i64>>,
+    cell_labels: Option<Vec<i64>>,
 }
 
 /// One cell of a [`Mesh`].
@@ -74,6 +77,8 @@ impl Mesh {
             nodes: Vec::new(),
             flipped: Vec::new(),
             sets: BTreeMap::new(),
+            node_labels: None,
+            cell_labels: None,
         };
         mesh.check_points()?;
         for (cell_type, connectivity) in blocks {
@@ -211,6 +216,7 @@ impl Mesh {
         });
         let mesh = Self {
             sets: sets.collect(),
+            node_labels: self.labels_of(&kept),
             points: kept.iter().map(|&n| self.points[n as usize]).collect(),
             nodes: self.nodes.iter().map(|&n| renumbered[n as usize]).collect(),
             ..self.clone()

@@ -157,7 +157,8 @@ class LabelledMesh:
         groups: dict[tuple[str, bool], list[int]] = {}
         for label, element in self.elements.items():
             groups.setdefault((element.cell, element.apart and keep_apart), []).append(label)
-        contents = MeshFile(points, [])
+        of_blocks: list[Labels] = []
+        contents = MeshFile(points, [], node_labels=self.node_labels(), cell_labels=of_blocks)
         contents.node_sets = {name: nodes.present(labels) for name, labels in node_sets.items()}
         contents.cell_sets = {name: [] for name in element_sets}
         for (cell, apart), labels in groups.items():
@@ -166,6 +167,7 @@ class LabelledMesh:
             members = {name: numbering.present(wanted) for name, wanted in element_sets.items()}
             if not apart:
                 contents.blocks.append((cell, cells))
+                of_blocks.append(np.array(labels, dtype=np.int64))
                 for name, at in members.items():
                     contents.cell_sets[name].append(at)
             elif cell in CELL_TYPES:
@@ -174,6 +176,7 @@ class LabelledMesh:
                         contents.surfaces.setdefault(name, []).append((cell, cells[at]))
         for name in self.others:
             contents.blocks.append((name, np.empty((0, 0), dtype=np.int64)))
+            of_blocks.append(_NONE)
             for sets in contents.cell_sets.values():
                 sets.append(_NONE)
         for name, found in contents.cell_sets.items():

@@ -89,6 +89,8 @@ def _save(file: Path, contents: MeshFile) -> None:
             name: [(cell, kept(nodes)) for cell, nodes in blocks] for name, blocks in contents.surfaces.items()
         },
         "parts": {name: list(map(kept, rows)) for name, rows in contents.parts.items()},
+        "node_labels": None if contents.node_labels is None else kept(contents.node_labels),
+        "cell_labels": None if contents.cell_labels is None else list(map(kept, contents.cell_labels)),
     }
     np.savez(file, names=np.array(json.dumps(names)), **arrays)  # type: ignore[arg-type]
 
@@ -96,6 +98,7 @@ def _save(file: Path, contents: MeshFile) -> None:
 def _load(file: Path) -> MeshFile:
     with np.load(file) as arrays:
         names = json.loads(str(arrays["names"]))
+        of_nodes, of_cells = names["node_labels"], names["cell_labels"]
         return MeshFile(
             arrays["points"],
             [(cell, arrays[key]) for cell, key in names["blocks"]],
@@ -103,6 +106,8 @@ def _load(file: Path) -> MeshFile:
             {name: [arrays[key] for key in keys] for name, keys in names["cell_sets"].items()},
             {name: [(cell, arrays[key]) for cell, key in faces] for name, faces in names["surfaces"].items()},
             {name: [arrays[key] for key in keys] for name, keys in names["parts"].items()},
+            node_labels=None if of_nodes is None else arrays[of_nodes],
+            cell_labels=None if of_cells is None else [arrays[key] for key in of_cells],
         )
 
 

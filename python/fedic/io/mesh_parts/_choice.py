@@ -242,4 +242,12 @@ def _restricted(contents: MeshFile, rows: list[Indices], faces: Sequence[Block] 
             ]
             nodes = np.unique(np.concatenate([*of_cells, *others]))
             node_sets[name] = nodes[used[nodes]]
-    return MeshFile(contents.points, [*cells, *faces], node_sets, cell_sets)
+    labels = contents.cell_labels
+    return MeshFile(
+        contents.points,
+        [*cells, *faces],
+        node_sets,
+        cell_sets,
+        node_labels=contents.node_labels,
+        cell_labels=None if labels is None or faces else [each[at] for each, at in zip(labels, rows, strict=True)],
+    )

@@ -32,15 +32,17 @@ def without_repeated_cells(contents: MeshFile) -> MeshFile:
     rows_of_block = np.cumsum([0, *(len(nodes) for _, nodes in contents.blocks)])
     stays = np.unique(kept)
     new_index = np.cumsum(np.isin(np.arange(len(kept)), stays)) - 1
-    new_blocks = [
-        (name, nodes[stays[(stays >= start) & (stays < start + len(nodes))] - start])
-        for (name, nodes), start in zip(contents.blocks, rows_of_block, strict=False)
+    rows = [
+        stays[(stays >= start) & (stays < start + len(nodes))] - start
+        for (_, nodes), start in zip(contents.blocks, rows_of_block, strict=False)
     ]
+    new_blocks = [(name, nodes[kept_rows]) for (name, nodes), kept_rows in zip(contents.blocks, rows, strict=True)]
+    labels = contents.cell_labels
     new_starts = np.cumsum([0, *(len(nodes) for _, nodes in new_blocks)])
 
     def moved(members: list[Indices]) -> list[Indices]:
-        rows = [start + each for start, each in zip(rows_of_block, members, strict=False)]
-        new = np.unique(new_index[kept[np.concatenate([np.empty(0, dtype=np.int64), *rows])]])
+        old = [start + each for start, each in zip(rows_of_block, members, strict=False)]
+        new = np.unique(new_index[kept[np.concatenate([np.empty(0, dtype=np.int64), *old])]])
         parts = np.split(new, np.searchsorted(new, new_starts[1:-1]))
         return [part - start for part, start in zip(parts, new_starts, strict=False)]
 
@@ -52,6 +54,8 @@ def without_repeated_cells(contents: MeshFile) -> MeshFile:
         contents.surfaces,
         {name: moved(members) for name, members in contents.parts.items()},
         contents.needs_selection,
+        contents.node_labels,
+        None if labels is None else [each[kept_rows] for each, kept_rows in zip(labels, rows, strict=True)],
     )
 
 

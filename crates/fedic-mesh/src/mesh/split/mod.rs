@@ -21,7 +21,8 @@ impl Mesh {
     ///
     /// Where the line separates the cells around a node, those to the left of it, seen from the side from which cells are
     /// counter-clockwise, keep the node and the others get a new one at its place. An end of the line inside the mesh stays single. Cells
-    /// keep their order and all nodes their indices; new nodes come last, in the order of the line. Sets get the new nodes of their nodes;
+    /// keep their order and all nodes their indices; new nodes come last, in the order of the line, and
+    /// their labels follow the largest one. Sets get the new nodes of their nodes;
     /// those that hold the nodes of their cells and no others still do.
     ///
     /// [`coincident_nodes`](Self::coincident_nodes) gives the pairs of nodes, [`slits`](Self::slits) the pairs of edges, and
@@ -50,6 +51,7 @@ impl Mesh {
             return Err(LineError::CutsNothing.into());
         }
         let mut mesh = self.clone();
+        mesh.node_labels = self.labels_with_more(separations.len());
         for (new, Separation { node, cells }) in (self.num_nodes() as u32..).zip(&separations) {
             mesh.points.push(self.points[*node as usize]);
             for &cell in cells {

@@ -25,6 +25,8 @@ def joined(files: Sequence[MeshFile]) -> MeshFile:
         With the nodes and blocks of all, in their order.
     """
     whole = MeshFile(np.concatenate([np.empty((0, 3)), *(file.points for file in files)]), [])
+    whole.node_labels = np.concatenate([_NONE, *(file.node_labels for file in files if file.node_labels is not None)])
+    whole.cell_labels = [labels for file in files for labels in file.cell_labels or []]
     num_blocks = sum(len(file.blocks) for file in files)
     start = 0
     for file in files:

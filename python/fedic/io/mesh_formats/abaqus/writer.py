@@ -27,8 +27,11 @@ def write_abaqus(
     cells: Mapping[str, NDArray[np.int64]],
     node_sets: Mapping[str, NDArray[np.int64]],
     cell_sets: Mapping[str, NDArray[np.int64]],
+    *,
+    node_labels: NDArray[np.int64] | None = None,
+    cell_labels: NDArray[np.int64] | None = None,
 ) -> None:
-    """Write a mesh as an input file without parts; nodes and elements are numbered from 1, in their order.
+    """Write a mesh as an input file without parts.
 
     The elements of a mesh in the plane z = 0 are those of plane stress: ``CPS3``, ``CPS4``, ``CPS6`` and ``CPS8``.
     Those of any other mesh, and of one with cells of nine nodes, are membranes: ``M3D3`` to ``M3D9``.
@@ -43,28 +46,35 @@ def write_abaqus(
         Cells by type.
     node_sets, cell_sets : dict of str to ndarray of int
         Nodes and cells of the named sets, cells counted over all types.
+    node_labels, cell_labels : ndarray of int, optional
+        Numbers of the nodes and elements; from 1, in their order, by default.
 
     Raises
     ------
     MeshError
         If Abaqus does not allow the name of a set.
     """
+    if node_labels is None:
+        node_labels = np.arange(1, len(points) + 1)
+    if cell_labels is None:
+        cell_labels = np.arange(1, sum(map(len, cells.values())) + 1)
     plane = not points[:, 2].any() and all(cell in _PLANE_CELLS for cell in cells)
     with path.open("w", encoding="utf-8") as file:
         file.write("*HEADING\nmesh written by fedic\n*NODE\n")
         file.writelines(
-            f"{label}, {', '.join(map(_number, point))}\n" for label, point in enumerate(points.tolist(), start=1)
+            f"{label}, {', '.join(map(_number, point))}\n"
+            for label, point in zip(node_labels.tolist(), points.tolist(), strict=True)
         )
-        first = 1
+        first = 0
         for cell, nodes in cells.items():
             file.write(f"*ELEMENT, TYPE={_PLANE if plane else _SPATIAL}{CELL_TYPES[cell].abaqus_suffixes[0]}\n")
-            labels = np.arange(first, first + len(nodes))
-            np.savetxt(file, np.column_stack([labels, nodes + 1]), fmt="%d", delimiter=", ")
+            labels = cell_labels[first : first + len(nodes)]
+            np.savetxt(file, np.column_stack([labels, node_labels[nodes]]), fmt="%d", delimiter=", ")
             first += len(nodes)
-        for keyword, sets in (("NSET", node_sets), ("ELSET", cell_sets)):
+        for keyword, sets, labels in (("NSET", node_sets, node_labels), ("ELSET", cell_sets, cell_labels)):
             for name, members in sets.items():
                 file.write(f"*{keyword}, {keyword}={_name(path, name)}\n")
-                file.writelines(_rows((members + 1).tolist()))
+                file.writelines(_rows(labels[members].tolist()))
 
 
 def _number(value: float) -> str:

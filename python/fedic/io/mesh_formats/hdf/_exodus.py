@@ -101,6 +101,10 @@ def _read(file: Any) -> MeshFile:
     numbered = sorted(int(name[7:]) for name in file.variables if re.fullmatch(r"connect\d+", name))
     labels = _labels(file, "eb", "block")
     contents.blocks = [_block(file, f"connect{number}") for number in numbered]
+    contents.node_labels = _map(file, "node_num_map", len(points))
+    sizes = np.cumsum([len(nodes) for _, nodes in contents.blocks])
+    of_cells = _map(file, "elem_num_map", int(sizes[-1]) if len(sizes) else 0)
+    contents.cell_labels = None if of_cells is None else np.split(of_cells, sizes[:-1])
     for index, number in enumerate(numbered):
         label, is_name = labels.get(number, (f"block {number}", False))
         members = [np.arange(len(nodes) if place == index else 0) for place, (_, nodes) in enumerate(contents.blocks)]
@@ -119,6 +123,14 @@ def _numbers(file: Any, name: str) -> Any:
     if variable.size > MAX_NUMBERS:
         raise ValueError(f"{name!r} has {variable.size} numbers, more than the {MAX_NUMBERS} that are read")
     return np.asarray(variable[:])
+
+
+def _map(file: Any, name: str, count: int) -> Indices | None:
+    """Return the numbers of the nodes or elements, if the file has them."""
+    if name not in file.variables:
+        return None
+    labels: Indices = _numbers(file, name).astype(np.int64).ravel()
+    return labels if len(labels) == count else None
 
 
 def _labels(file: Any, kind: str, what: str) -> dict[int, tuple[str, bool]]:

@@ -82,12 +82,16 @@ def _read(file: Any) -> MeshFile:
     if count < 1 or len(coordinates) not in (2 * count, 3 * count):
         raise ValueError(f"it holds {len(coordinates)} coordinates for {count} nodes")
     contents = MeshFile(coordinates.reshape(-1, count).T.astype(np.float64), [])
-    tags = []
+    contents.node_labels = _labels(nodes, count)
+    tags, labels = [], []
     cells = group(mesh, "MAI") if "MAI" in mesh else {}
     for code in cells:
         block, tag = _block(code, group(cells, code))
         contents.blocks.append(block)
         tags.append(tag)
+        labels.append(_labels(group(cells, code), len(block[1])))
+    known = [each for each in labels if each is not None]
+    contents.cell_labels = known if len(known) == len(labels) else None
     for label, groups in _groups(families, "ELEME"):
         for each in groups:
             members = contents.cell_sets.setdefault(each, [np.empty(0, dtype=np.int64)] * len(tags))
@@ -99,6 +103,12 @@ def _read(file: Any) -> MeshFile:
             before = contents.node_sets.get(each, np.empty(0, dtype=np.int64))
             contents.node_sets[each] = np.union1d(before, np.flatnonzero(of_nodes == label))
     return contents
+
+
+def _labels(entities: Any, count: int) -> Indices | None:
+    """Return the numbers of nodes or cells, if the file has them."""
+    labels = numbers(entities, "NUM").ravel().astype(np.int64) if "NUM" in entities else np.empty(0, dtype=np.int64)
+    return labels if len(labels) == count else None
 
 
 def _block(code: str, cells: Any) -> tuple[Block, Indices]:

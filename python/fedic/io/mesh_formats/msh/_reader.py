@@ -79,7 +79,8 @@ def _read(content: bytes) -> MeshFile:
     node_sets = {name: np.flatnonzero(np.isin(tags, members)) for name, members in of_nodes.items()}
     for name, members in of_elements.items():
         cell_sets[name] = [np.flatnonzero(np.isin(each.labels, members)) for each in elements]
-    return MeshFile(points, blocks, node_sets, cell_sets, parts=parts)
+    labels = [each.labels for each in elements]
+    return MeshFile(points, blocks, node_sets, cell_sets, parts=parts, node_labels=tags, cell_labels=labels)
 
 
 def _format(section: bytes) -> tuple[str, bool, str]:
