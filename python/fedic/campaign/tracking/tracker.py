@@ -149,7 +149,7 @@ class Tracker:
             direct = self._attempt(self._first, index, image)
         except FedicError as error:
             direct = error
-        if self._update == "auto" and self._last is not None and not self._is_accepted(direct):
+        if self._update == "auto" and self._last is not None and not self._is_measured(direct):
             direct = self._better(direct, index, image)
         if isinstance(direct, FedicError):
             raise direct
@@ -175,7 +175,7 @@ class Tracker:
             found = self._attempt(self._current, index, image)
         except FedicError as error:
             found = error
-        if not self._is_accepted(found) and self._last is not None and self._last.index != self._current.index:
+        if not self._is_measured(found) and self._last is not None and self._last.index != self._current.index:
             found = self._better(found, index, image)
         if isinstance(found, FedicError):
             raise found
@@ -197,13 +197,13 @@ class Tracker:
         """Measure a frame from the first reference image, starting from what was found; None if that fails."""
         start = filled(self._mesh, chained.result.displacement)
         try:
-            direct = self._first.measure(chained.image, start)
+            direct = replace(chained, result=self._first.measure(chained.image, start), reference=-1)
         except FedicError:
             return None
-        return direct if self._is_good(direct) else None
+        return direct.result if self._is_measured(direct) else None
 
     def _attempt(self, reference: Reference, index: int, image: Image) -> Tracked:
-        """Measure a frame from one start after the other until the result is accepted; else return the best."""
+        """Measure a frame from one start after the other until the result is as expected; else return the best."""
         found: list[Tracked] = []
         fault: FedicError | None = None
         for total, pyramid in self._initial_displacements(index):
@@ -213,7 +213,7 @@ class Tracker:
                 fault = error
                 continue
             found.append(Tracked(index, image, result, reference.index))
-            if self._is_good(result):
+            if self._is_expected(found[-1]):
                 return found[-1]
         if not found:
             assert fault is not None, "there is at least one start"
@@ -231,14 +231,17 @@ class Tracker:
             yield prediction, True
         yield None, False
 
-    def _is_accepted(self, found: Tracked | FedicError) -> bool:
-        return isinstance(found, Tracked) and self._is_good(found.result)
-
-    def _is_good(self, result: Result) -> bool:
-        """Tell whether a result is about as good as those of the last two known frames."""
+    def _is_measured(self, found: Tracked | FedicError) -> bool:
+        """Tell whether a frame has converged with about as few flagged cells as the last two known frames."""
+        if isinstance(found, FedicError):
+            return False
         flagged = _FLAGGED_RISE + max((frame.flagged_share for frame in self._known), default=0.0)
+        return found.result.converged and found.result.quality.flagged_share <= flagged
+
+    def _is_expected(self, found: Tracked) -> bool:
+        """Tell whether a frame was measured with about the residual of the last two known frames."""
         residual = _RESIDUAL_RISE * max((frame.residual_rms for frame in self._known), default=math.inf)
-        return result.converged and result.quality.flagged_share <= flagged and result.residual_rms <= residual
+        return self._is_measured(found) and found.result.residual_rms <= residual
 
     def _as_reference(self, frame: Tracked) -> Reference:
         if frame.index == self._current.index:
