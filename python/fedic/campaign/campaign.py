@@ -143,7 +143,7 @@ class Campaign(CampaignReadings):
             check_choice(name, value, choices)
         core_options(options, CORRELATION_OPTIONS, _ARGUMENTS)
         entry = checked_entry(reference, "reference")
-        self._series: FrameSeries | None = FrameSeries(frames, times)
+        series = FrameSeries(frames, times)
         setup = Setup(
             mesh,
             camera,
@@ -151,12 +151,12 @@ class Campaign(CampaignReadings):
             None if mask is None else pixel_mask(mask, load_entry(entry, "reference").shape),
             regularization,
             checked_initial(initial, mesh),
-            _with_noise_of_means(options, entry, self._series),
+            _with_noise_of_means(options, entry, series),
             starts,
             reference_update,
             strain_measure,
         )
-        super().__init__(setup, CampaignFile(None if store is None else Path(store)), entry)
+        super().__init__(setup, CampaignFile(None if store is None else Path(store)), entry, series)
 
     def run(
         self,
@@ -270,9 +270,8 @@ def load(path: StrPath) -> Campaign:
     """
     file = CampaignFile(Path(path))
     campaign = Campaign.__new__(Campaign)
-    campaign._series = None
     files = [Path(name) for name in file.text("reference")["files"]]
-    CampaignReadings.__init__(campaign, file.setup(), file, files or None)
+    CampaignReadings.__init__(campaign, file.setup(), file, files or None, None)
     return campaign
 
 

@@ -41,7 +41,7 @@ def progress_bar(progress: ProgressCallback | bool | None, count: int | None) ->
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Bar(*columns, console=Console(stderr=True), transient=progress is None) as bar:
         task = bar.add_task("preparing", total=count)
 
         def show(state: Progress) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from fedic._core import Mesh
 from fedic._internal.types import Camera, Floats, StrPath
-from fedic.campaign.frames import FrameEntry, load_entry
+from fedic.campaign.frames import FrameEntry, FrameSeries, load_entry
 from fedic.campaign.frames.entry import entry_files
 from fedic.campaign.record import FrameRecord
 from fedic.campaign.results import StoredResults, records_of
@@ -28,8 +28,10 @@ __all__ = ["CampaignReadings"]
 class CampaignReadings:
     """The results of a campaign, read frame by frame from its file or from memory."""
 
-    def __init__(self, setup: Setup, file: CampaignFile, reference: FrameEntry | None) -> None:
-        self._setup, self._file, self._reference = setup, file, reference
+    def __init__(
+        self, setup: Setup, file: CampaignFile, reference: FrameEntry | None, series: FrameSeries | None
+    ) -> None:
+        self._setup, self._file, self._reference, self._series = setup, file, reference, series
         self._results: StoredResults | None = None
 
     @property
@@ -213,5 +215,5 @@ class CampaignReadings:
         if self._results is None:
             array = self._reference
             image = None if array is None or entry_files(array) else load_entry(array, "reference")
-            self._results = StoredResults(self._file, self._setup, image)
+            self._results = StoredResults(self._file, self._setup, image, (self._series and self._series.entries) or [])
         return self._results

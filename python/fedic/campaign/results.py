@@ -1,6 +1,6 @@
 """Results read from the file of a campaign."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from fedic._core import CORRELATION_OPTIONS, Mesh
 from fedic._internal.measurement import Measurement
 from fedic._internal.types import Floats, Image
 from fedic._internal.units import checked_unit
+from fedic.campaign.frames import FrameEntry, load_entry
 from fedic.campaign.record import FrameRecord
 from fedic.campaign.setup import Setup
 from fedic.campaign.store import CampaignFile, FrameData, to_result
@@ -63,11 +64,14 @@ class StoredResults:
         What was measured with.
     reference : ndarray of shape (height, width), or None
         The first reference image, if it has no file.
+    entries : sequence of FrameEntry
+        The frames, for those that have no file; empty if they are not known.
     """
 
     file: CampaignFile
     setup: Setup
     reference: Image | None
+    entries: Sequence[FrameEntry]
     _places: dict[int, _Place] = field(default_factory=dict)
     _correlators: dict[int, Correlator] = field(default_factory=dict)
 
@@ -114,7 +118,7 @@ class StoredResults:
         setup = self.setup
         return Measurement(
             reference=place.image,
-            deformed=_kept_frame(data, "deformed"),
+            deformed=self._kept_frame(data, "deformed"),
             mesh=place.mesh,
             camera=setup.camera,
             mask=place.mask,
@@ -137,8 +141,14 @@ class StoredResults:
             displacement = filled(setup.mesh, np.asarray(data.fields["PointData/displacement"])[:, :2])
             mesh = moved_mesh(setup.mesh, displacement)
             mask = moved_mask(setup.mask, setup.mesh, displacement, mesh, setup.camera)
-            self._places = {reference: _Place(_kept_frame(data, "reference"), mesh, mask, displacement)}
+            self._places = {reference: _Place(self._kept_frame(data, "reference"), mesh, mask, displacement)}
         return self._places[reference]
+
+    def _kept_frame(self, data: FrameData, name: str) -> KeptImage:
+        names = data.columns["image"].decode("utf-8", "surrogateescape")
+        files = [Path(file) for file in names.split("\n") if file]
+        array = load_entry(self.entries[data.index], name) if self.entries and not files else None
+        return _kept(name, files, array, int(data.columns["checksum"]))
 
     def _prepared(self, reference: int) -> Callable[[], "_core.Correlator"]:
         """Return a function that prepares a reference image when it is first needed."""
@@ -169,11 +179,6 @@ def _values(row: tuple[Any, ...]) -> dict[str, Any]:
     for name in ("converged", "good"):
         values[name] = bool(values[name])
     return values
-
-
-def _kept_frame(data: FrameData, name: str) -> KeptImage:
-    files = [Path(file) for file in data.columns["image"].decode("utf-8", "surrogateescape").split("\n") if file]
-    return _kept(name, files, None, int(data.columns["checksum"]))
 
 
 def _kept(name: str, files: list[Path], array: Image | None, checksum: int) -> KeptImage:

@@ -81,8 +81,8 @@ class KeptImage:
             image = as_image(self.array, self.name)
         else:
             raise ImageError(
-                f"The {self.name} image of this result is not known any more: the result was unpickled, and the image "
-                "was not read by fedic.read_image. Prepare a fedic.Correlator with the reference image and use its "
+                f"The {self.name} image of this result is not known any more: the result was unpickled or loaded, and "
+                "the image was not read from a file. Prepare a fedic.Correlator with the reference image and use its "
                 "residual_map and standard_deviations."
             )
         if sample_checksum(image) != self.checksum:

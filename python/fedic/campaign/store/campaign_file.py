@@ -17,7 +17,7 @@ import numpy as np
 from fedic._core import __version__
 from fedic.campaign.setup import Setup, setup_entries, setup_from_entries
 from fedic.campaign.store.frame_data import FrameData
-from fedic.campaign.store.layout import COLUMNS, FORMAT, UNCHECKED
+from fedic.campaign.store.layout import COLUMNS, FORMAT, INFORMATION, UNCHECKED
 from fedic.campaign.store.structure import (
     bytes_per_frame,
     create,
@@ -243,9 +243,11 @@ class CampaignFile:
                 rows = int(grid[count][0])
                 for name in grid[group]:
                     arrays[f"{group}/{name}"] = grid[group][name][index * rows : (index + 1) * rows]
-            rows = int(grid["NumberOfPoints"][0])
-            unchecked = own[UNCHECKED][index * rows : (index + 1) * rows]
-            return FrameData(index, arrays, unchecked, {each.name: own[each.name][index] for each in COLUMNS})
+            nodes, cells = int(grid["NumberOfPoints"][0]), int(grid["NumberOfCells"][0])
+            unchecked = own[UNCHECKED][index * nodes : (index + 1) * nodes]
+            information = own[INFORMATION][index * cells : (index + 1) * cells]
+            columns = {each.name: own[each.name][index] for each in COLUMNS}
+            return FrameData(index, arrays, unchecked, information, columns)
 
     def _write(self, data: FrameData, seconds: float) -> None:
         """Write a frame, and then the number of frames: what counts as finished is complete."""
@@ -254,8 +256,9 @@ class CampaignFile:
         for name, values in data.fields.items():
             rows = len(values)
             grid[name][index * rows : (index + 1) * rows] = values
-        rows = len(data.unchecked)
-        own[UNCHECKED][index * rows : (index + 1) * rows] = data.unchecked
+        for name, rows_of_frame in ((UNCHECKED, data.unchecked), (INFORMATION, data.information)):
+            rows = len(rows_of_frame)
+            own[name][index * rows : (index + 1) * rows] = rows_of_frame
         for name, value in data.columns.items():
             own[name][index] = value
         own["seconds"][index] = seconds

@@ -44,6 +44,8 @@ class FrameData:
         Fields by the names ``"PointData/..."`` and ``"CellData/..."``.
     unchecked : ndarray of float64, shape (n, 2)
         Displacement as the iterations left it.
+    information : ndarray of float64, shape (num_cells, 2)
+        Factors of the cells on the Hessian and on the noise; one where there are none.
     columns : mapping of str to object
         Values by the names of `COLUMNS`.
     """
@@ -51,6 +53,7 @@ class FrameData:
     index: int
     fields: Arrays
     unchecked: Floats
+    information: Floats
     columns: Mapping[str, Any]
 
 
@@ -121,14 +124,16 @@ def of_result(
         "num_points": result.num_points,
         "reference": reference,
         "start": result.start.encode(),
-        "has_weights": result.information is not None,
+        "has_information": result.information is not None,
+        "has_weights": result.information is not None and len(result.information[1]) > 0,
         "saturated_share": quality.saturated_share,
         "repeats": _rows(quality.repeats, REPEATS),
         "attempts": json.dumps([[*attempt[:5], attempt.error[:200]] for attempt in result.attempts]).encode(),
         "history": _rows(np.array(result.history, dtype=np.float64).reshape(-1, 4)[-HISTORY_ROWS:], HISTORY_ROWS),
         "checksum": checksum,
     }
-    return FrameData(frame.index, arrays, result.unchecked_displacement, columns)
+    information = np.ones((mesh.num_cells, 2)) if result.information is None else result.information[0]
+    return FrameData(frame.index, arrays, result.unchecked_displacement, information, columns)
 
 
 def of_failed_frame(
@@ -142,7 +147,8 @@ def of_failed_frame(
 
     arrays = {f"{field.group}/{field.name}": nothing(field) for field in fields(measure, drift=has_drift)}
     columns = {**_empty_columns(frame), "error": _shortened(error)}
-    return FrameData(frame.index, arrays, np.full((mesh.num_nodes, 2), np.nan), columns)
+    unchecked, information = (np.full((count, 2), np.nan) for count in (mesh.num_nodes, mesh.num_cells))
+    return FrameData(frame.index, arrays, unchecked, information, columns)
 
 
 def to_result(mesh: Mesh, camera: Camera, unit: str, data: FrameData, measurement: Measurement | None) -> Result:
@@ -204,6 +210,7 @@ def to_result(mesh: Mesh, camera: Camera, unit: str, data: FrameData, measuremen
             node_flags=np.asarray(arrays["PointData/flags"], dtype=np.uint8),
         ),
         start=columns["start"].decode(),
+        information=(data.information, [], []) if columns["has_information"] and not columns["has_weights"] else None,
         attempts=tuple(Attempt(*entry) for entry in json.loads(columns["attempts"] or b"[]")),
         unit=unit,
         _measurement=measurement,

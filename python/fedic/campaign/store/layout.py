@@ -15,6 +15,7 @@ __all__ = [
     "COLUMNS",
     "FORMAT",
     "HISTORY_ROWS",
+    "INFORMATION",
     "LONGEST_TEXT",
     "REPEATS",
     "STRAIN_COMPONENTS",
@@ -38,6 +39,8 @@ LONGEST_TEXT = 1024
 STRAIN_COMPONENTS = ("xx", "yy", "xy")
 UNCHECKED = "unchecked_displacement"
 """Dataset of the displacements as the iterations left them, (frames * n, 2)."""
+INFORMATION = "information"
+"""Dataset of the factors of the cells on the Hessian and on the noise, (frames * m, 2); see `Result.information`."""
 
 
 @dataclass(frozen=True)
@@ -130,6 +133,7 @@ COLUMNS = (
     Column("num_points", "i8"),
     Column("reference", "i4"),
     Column("start", "S32"),
+    Column("has_information", "u1"),
     Column("has_weights", "u1"),
     Column("saturated_share", "f8", (2,)),
     Column("repeats", "f8", (REPEATS, 2)),

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import CELL_TYPES, Mesh, MeshSet, __version__
-from fedic.campaign.store.layout import COLUMNS, FORMAT, UNCHECKED, VTK_VERSION, Field, fields
+from fedic.campaign.store.layout import COLUMNS, FORMAT, INFORMATION, UNCHECKED, VTK_VERSION, Field, fields
 from fedic.results import StrainMeasure
 
 __all__ = ["bytes_per_frame", "create", "datasets_of_frames", "read_mask", "read_mesh", "read_text"]
@@ -76,6 +76,7 @@ def create(
     for column in COLUMNS:
         _allocate(frames, column.name, (capacity, *column.shape), column.dtype)
     _allocate(frames, UNCHECKED, (capacity * mesh.num_nodes, 2), "f8")
+    _allocate(frames, INFORMATION, (capacity * mesh.num_cells, 2), "f8")
     _write_sets(own.create_group("mesh"), mesh)
     if mask is not None:
         own["mask"] = np.packbits(mask)
@@ -92,11 +93,12 @@ def datasets_of_frames(file: Any) -> Iterator[tuple[str, int]]:
     for column in COLUMNS:
         yield f"fedic/frames/{column.name}", 1
     yield f"fedic/frames/{UNCHECKED}", int(grid["NumberOfPoints"][0])
+    yield f"fedic/frames/{INFORMATION}", int(grid["NumberOfCells"][0])
 
 
 def bytes_per_frame(mesh: Mesh, measure: StrainMeasure, *, drift: bool) -> int:
     """Return the size of a frame in a file."""
-    size = 16 * mesh.num_nodes
+    size = 16 * (mesh.num_nodes + mesh.num_cells)
     size += sum(int(np.prod(column.shape, dtype=int)) * np.dtype(column.dtype).itemsize for column in COLUMNS)
     for field in fields(measure, drift=drift):
         size += field.rows(mesh) * field.components * np.dtype(field.dtype).itemsize
