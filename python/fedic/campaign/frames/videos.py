@@ -43,10 +43,10 @@ class VideoFrames:
             if not capture.isOpened():
                 raise ImageError(f"{self._path}: OpenCV cannot read this video; convert it to images.")
             while True:
-                time = 1e-3 * capture.get(cv2.CAP_PROP_POS_MSEC)
                 intact, image = capture.read()
                 if not intact:
                     return
-                yield time, cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)  # type: ignore[misc]
+                # Of the frame that was read last; before the first two both are zero.
+                yield 1e-3 * capture.get(cv2.CAP_PROP_POS_MSEC), cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)  # type: ignore[misc]
         finally:
             capture.release()

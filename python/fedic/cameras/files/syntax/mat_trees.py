@@ -19,7 +19,7 @@ _DEEPEST = 8
 
 
 def read_mat(path: Path) -> dict[str, Tree]:
-    """Read a file of versions 5 to 7, or, with h5py, of version 7.3.
+    """Read a file of versions 5 to 7.3.
 
     Parameters
     ----------
@@ -34,16 +34,11 @@ def read_mat(path: Path) -> dict[str, Tree]:
     Raises
     ------
     CameraError
-        If the file cannot be read, or h5py is needed and not installed.
+        If the file cannot be read.
     """
     content = read_bytes(path, _LARGEST_FILE, CameraError)
     try:
         return _hdf5(content) if _SIGNATURE in content[:1024] else mat5_tree(content)
-    except ModuleNotFoundError as error:
-        raise CameraError(
-            f"{path}: h5py reads this .mat file, which is of version 7.3, and is not installed: pip install "
-            "'fedic[hdf5]', or save with '-v7' in MATLAB."
-        ) from error
     except Exception as error:  # h5py raises errors of many types for damaged files
         raise CameraError(
             f"{path}: this file cannot be read: truncated, or not a .mat file of version 5 or later "

@@ -1,41 +1,11 @@
 """Arrays of HDF5 files."""
 
-from pathlib import Path
 from typing import Any
 
-from fedic.errors import MeshError
-
-__all__ = ["MAX_NUMBERS", "group", "import_h5py", "numbers"]
+__all__ = ["MAX_NUMBERS", "group", "numbers"]
 
 MAX_NUMBERS = 2**29
 """Longest array that is read."""
-
-
-def import_h5py(path: Path) -> Any:
-    """Return the module ``h5py``.
-
-    Parameters
-    ----------
-    path : Path
-        The file that needs it, for the message.
-
-    Returns
-    -------
-    module
-        The module.
-
-    Raises
-    ------
-    MeshError
-        If it is not installed.
-    """
-    try:
-        import h5py
-    except ImportError as error:
-        raise MeshError(
-            f"{path}: the mesh file needs h5py, which is not installed: pip install 'fedic[hdf5]'."
-        ) from error
-    return h5py
 
 
 def group(parent: Any, name: str) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fedic.io._mesh_file import Block, Indices, MeshFile, unreadable
-from fedic.io.mesh_formats.hdf._arrays import group, import_h5py, numbers
+from fedic.io.mesh_formats.hdf._arrays import group, numbers
 
 __all__ = ["read_med"]
 
@@ -52,9 +52,10 @@ def read_med(path: Path) -> MeshFile:
     Raises
     ------
     MeshError
-        If h5py is missing, or the file is damaged or holds several meshes.
+        If the file is damaged or holds several meshes.
     """
-    h5py = import_h5py(path)
+    import h5py
+
     try:
         with h5py.File(path, "r") as file:
             return _read(file)

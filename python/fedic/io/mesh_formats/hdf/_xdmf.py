@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fedic.io._mesh_file import Block, MeshFile, unreadable
 from fedic.io.mesh_formats._numbers import numbers_of
 from fedic.io.mesh_formats._set_fields import SET_PREFIX
-from fedic.io.mesh_formats.hdf._arrays import MAX_NUMBERS, import_h5py, numbers
+from fedic.io.mesh_formats.hdf._arrays import MAX_NUMBERS, numbers
 from fedic.io.mesh_formats.hdf._topologies import OF_NODES, SHORT, TOPOLOGIES, mixed_blocks
 
 __all__ = ["read_xdmf"]
@@ -37,7 +37,7 @@ def read_xdmf(path: Path) -> MeshFile:
     Raises
     ------
     MeshError
-        If h5py is missing, or the file is damaged or holds something else.
+        If the file is damaged or holds something else.
     """
     from defusedxml import DefusedXmlException
     from defusedxml.ElementTree import fromstring
@@ -170,7 +170,8 @@ class _Reader:
             values = numbers_of(text.split(), np.float64 if kind == "float" else np.int64)
         elif form == "HDF":
             name, _, place = text.partition(":")
-            h5py = import_h5py(self._path)
+            import h5py
+
             with h5py.File(self._neighbour(name), "r") as file:
                 values = np.asarray(numbers(file, place))
         elif form == "BINARY":
