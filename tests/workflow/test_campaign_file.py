@@ -234,17 +234,20 @@ def test_what_needs_the_images_is_found_again_from_their_files(tmp_path: Path, r
     assert fedic.load(store).covariance(0) is None
 
 
-def test_sets_camera_and_unit_are_loaded(tmp_path: Path) -> None:
+def test_sets_labels_camera_and_unit_are_loaded(tmp_path: Path) -> None:
     sets = {"left/top": fedic.MeshSet(nodes=[0, 1, 2]), "all": fedic.MeshSet(cells=range(MESH.num_cells))}
     camera = fedic.Pinhole(
         (2000.0, 2000.0), (72.0, 72.0), translation=(0.0, 0.0, 2000.0), distortion=fedic.BrownDistortion((0.01, 0, 0))
     )
     points = MESH.points[:, :2] - 72.0
-    mesh = fedic.Mesh(np.column_stack([points, np.zeros(len(points))]), MESH.cells, sets)
+    labels = {"node_labels": np.arange(len(points)) + 100, "cell_labels": np.arange(MESH.num_cells) * 2 + 1}
+    mesh = fedic.Mesh(np.column_stack([points, np.zeros(len(points))]), MESH.cells, sets, **labels)
     campaign = run(frame(0), frames(1), mesh, camera, unit="mm", store=tmp_path / "test.vtkhdf")
     loaded = fedic.load(tmp_path / "test.vtkhdf")
     assert loaded.unit == "mm"
     assert loaded.mesh.sets.keys() == sets.keys()
+    np.testing.assert_array_equal(loaded.mesh.node_labels, labels["node_labels"])
+    np.testing.assert_array_equal(loaded.mesh.cell_labels, labels["cell_labels"])
     for name, found in mesh.sets.items():
         np.testing.assert_array_equal(loaded.mesh.sets[name].nodes, found.nodes)
         np.testing.assert_array_equal(loaded.mesh.sets[name].cells, found.cells)

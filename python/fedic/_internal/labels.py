@@ -1,7 +1,5 @@
 """Labels of the nodes and cells of a mesh, as the program that made it numbers them."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +8,7 @@ from fedic._core import Mesh
 __all__ = ["cell_labels", "node_labels"]
 
 
-def node_labels(mesh: Mesh) -> NDArray[Any]:
+def node_labels(mesh: Mesh) -> NDArray[np.int64]:
     """Return the labels of the nodes.
 
     Parameters
@@ -23,10 +21,10 @@ def node_labels(mesh: Mesh) -> NDArray[Any]:
     ndarray, shape (n,)
         ``mesh.node_labels`` if it has them, or else the indices from 0.
     """
-    return _labels(mesh, "node_labels", mesh.num_nodes)
+    return _labels(mesh.node_labels, mesh.num_nodes)
 
 
-def cell_labels(mesh: Mesh) -> NDArray[Any]:
+def cell_labels(mesh: Mesh) -> NDArray[np.int64]:
     """Return the labels of the cells.
 
     Parameters
@@ -39,9 +37,8 @@ def cell_labels(mesh: Mesh) -> NDArray[Any]:
     ndarray, shape (num_cells,)
         ``mesh.cell_labels`` if it has them, or else the indices from 0.
     """
-    return _labels(mesh, "cell_labels", mesh.num_cells)
+    return _labels(mesh.cell_labels, mesh.num_cells)
 
 
-def _labels(mesh: Mesh, name: str, count: int) -> NDArray[Any]:
-    labels = getattr(mesh, name, None)
-    return np.arange(count) if labels is None else np.asarray(labels)
+def _labels(labels: NDArray[np.int64] | None, count: int) -> NDArray[np.int64]:
+    return np.arange(count) if labels is None else labels

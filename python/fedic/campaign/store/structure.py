@@ -77,7 +77,7 @@ def create(
         _allocate(frames, column.name, (capacity, *column.shape), column.dtype)
     _allocate(frames, UNCHECKED, (capacity * mesh.num_nodes, 2), "f8")
     _allocate(frames, INFORMATION, (capacity * mesh.num_cells, 2), "f8")
-    _write_sets(own.create_group("mesh"), mesh)
+    _write_own_mesh(own.create_group("mesh"), mesh)
     if mask is not None:
         own["mask"] = np.packbits(mask)
         own["mask"].attrs["shape"] = np.array(mask.shape, dtype=np.int64)
@@ -120,7 +120,8 @@ def read_mesh(file: Any) -> Mesh:
         group = own["sets"][key]
         sets[str(group.attrs["name"])] = MeshSet(group["nodes"][:], group["cells"][:])
     points = grid["Points"][:, : int(own.attrs["dimensions"])]
-    return Mesh(points, cells, sets)
+    labels = {name: own[name][:] if name in own else None for name in ("node_labels", "cell_labels")}
+    return Mesh(points, cells, sets, **labels)
 
 
 def read_mask(file: Any) -> NDArray[np.bool_] | None:
@@ -155,8 +156,12 @@ def _write_mesh(grid: Any, mesh: Mesh) -> None:
     grid["Types"] = np.concatenate(types).astype(np.uint8)
 
 
-def _write_sets(group: Any, mesh: Mesh) -> None:
+def _write_own_mesh(group: Any, mesh: Mesh) -> None:
+    """Write what the grid of VTK does not hold: sets, labels and the number of coordinates."""
     group.attrs["dimensions"] = np.int64(mesh.points.shape[1])
+    for name, labels in (("node_labels", mesh.node_labels), ("cell_labels", mesh.cell_labels)):
+        if labels is not None:
+            group[name] = labels
     sets = group.create_group("sets")
     for number, (name, found) in enumerate(mesh.sets.items()):
         entry = sets.create_group(str(number))
