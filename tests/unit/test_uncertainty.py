@@ -441,3 +441,24 @@ def test_strains_of_a_total_displacement_have_the_noise_of_the_last_step() -> No
         step.of_total(fedic.rectangle_mesh((55.0, 45.0, 115.0, 95.0), 20.0), last - points)
     with pytest.raises(fedic.OptionError, match="displacement must have one finite value"):
         step.of_total(mesh, np.full((mesh.num_nodes, 2), np.nan))
+
+
+@pytest.mark.parametrize("cell", list(fedic.CELL_TYPES))
+def test_functions_of_one_cell_have_the_covariance_that_the_system_gives(cell: str) -> None:
+    """Two points far apart are solved for; one alone follows from the known blocks of its cell."""
+    mesh = fedic.rectangle_mesh((16.0, 16.0, 112.0, 112.0), 16.0, cell)
+    texture, camera = fedic.synthetic.Speckle(4.0, seed=3), fedic.ImageFrame()
+    reference = fedic.synthetic.render(texture, camera, (128, 128))
+    turned = 0.2 * np.column_stack([-mesh.points[:, 1], mesh.points[:, 0]])
+    covariance = fedic.Correlator(reference, mesh, camera).covariance(1.5, turned)
+    points = np.array([[30.0, 40.0], [95.0, 101.0]])
+    shapes = np.column_stack([mesh.interpolate(unit, points) for unit in np.eye(mesh.num_nodes)[..., np.newaxis]])
+    weights = np.zeros((4, mesh.num_nodes, 2))
+    weights[[0, 2], :, 0] = weights[[1, 3], :, 1] = shapes
+    together = covariance.of(weights)
+    blocks = covariance.at(points)
+    scale = abs(blocks).max()
+    np.testing.assert_allclose(together[:2, :2], blocks[0], atol=1e-5 * scale)
+    np.testing.assert_allclose(together[2:, 2:], blocks[1], atol=1e-5 * scale)
+    assert abs(together[:2, 2:]).max() < 0.1 * scale
+    np.testing.assert_allclose(covariance.of(weights[:2]), blocks[0], rtol=1e-12)

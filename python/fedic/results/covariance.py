@@ -73,7 +73,7 @@ class Covariance:
         Returns
         -------
         ndarray of float, shape (m, 2, 2)
-            In the square of the mesh's unit; NaN outside the mesh. The cost is two solutions of the system a point.
+            In the square of the mesh's unit; NaN outside the mesh.
         """
         return self._prediction.at_points(points)
 
@@ -156,7 +156,8 @@ class Covariance:
         Returns
         -------
         ndarray of float, shape (k, k)
-            NaN where a function has a node that was not measured. The cost is one solution of the system a function.
+            NaN where a function has a node that was not measured. The cost is one solution of the system a function,
+            or none if all nodes share cells with one another.
 
         Raises
         ------

@@ -158,6 +158,49 @@ impl Covariance {
 
     /// Covariance of each group of `size` functions, row after row.
     fn blocks_of(&self, functions: &[Weights], size: usize, monitor: &dyn Monitor) -> Result<Vec<Vec<f64>>, Error> {
+        let near: Vec<_> = functions.par_chunks(size).map(|group| self.block_of_neighbours(group)).collect();
+        let groups = functions.chunks(size).zip(&near);
+        let others: Vec<&Weights> = groups.filter(|(_, found)| found.is_none()).flat_map(|(group, _)| group).collect();
+        let mut solved = self.solved_blocks(&others, size, monitor)?.into_iter();
+        Ok(near.into_iter().filter_map(|found| found.or_else(|| solved.next())).collect())
+    }
+
+    /// Covariance of functions of nodes that all share cells with one another, from their known blocks; `None` if some do not.
+    fn block_of_neighbours(&self, group: &[Weights]) -> Option<Vec<f64>> {
+        let mut nodes: Vec<u32> = group.iter().flatten().map(|&(node, _)| node).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let pairs = || nodes.iter().enumerate().flat_map(|(i, &a)| nodes[i..].iter().map(move |&b| (a, b)));
+        if nodes.len() > MAX_NODES || !pairs().all(|(a, b)| self.reference.share_a_cell(a, b)) {
+            return None;
+        }
+        let carry =
+            |weights: &Weights| weights.iter().map(|&(node, weight)| (node, self.carry(node, weight))).collect();
+        let carried: Vec<Weights> = group.iter().map(carry).collect();
+        let product = |left: &Weights, right: &Weights| -> Option<f64> {
+            let mut sum = 0.0;
+            for &(row, [x, y]) in left {
+                for &(column, [u, v]) in right {
+                    let [[xx, xy], [yx, yy]] = self.reference.block(row, column)?;
+                    sum += (x * xx + y * yx) * u + (x * xy + y * yy) * v;
+                }
+            }
+            Some(sum)
+        };
+        let places = (0..group.len()).flat_map(|i| (0..group.len()).map(move |j| (i.min(j), i.max(j))));
+        Some(places.map(|(i, j)| product(&carried[i], &carried[j]).unwrap_or(f64::NAN)).collect())
+    }
+
+    /// Covariance of each group of `size` functions, row after row, by solutions of the system.
+    fn solved_blocks(
+        &self,
+        functions: &[&Weights],
+        size: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        if functions.is_empty() {
+            return Ok(Vec::new());
+        }
         let ReferenceCovariance { dofs, noise, undetermined, .. } = self.reference.as_ref();
         let (pattern, num_dofs) = (&dofs.pattern, dofs.pattern.num_dofs());
         let factor = self.reference.factor()?;
@@ -168,7 +211,7 @@ impl Covariance {
             }
             let mut columns = vec![0.0; batch.len() * num_dofs];
             for (column, weights) in columns.chunks_exact_mut(num_dofs).zip(batch) {
-                for &(node, weight) in weights {
+                for &(node, weight) in *weights {
                     let entries = column[node as usize * PLANE..][..PLANE].iter_mut();
                     entries.zip(self.carry(node, weight)).for_each(|(entry, own)| *entry += own);
                 }
@@ -178,7 +221,7 @@ impl Covariance {
             for (group, weights) in columns.chunks(size * num_dofs).zip(batch.chunks(size)) {
                 let solutions: Vec<&[f64]> = group.chunks_exact(num_dofs).collect();
                 let gathered: Vec<Vec<f64>> = solutions.iter().map(|x| noise.multiply(pattern, x)).collect();
-                let is_known = |weights: &Weights| weights.iter().all(|&(node, _)| !undetermined[node as usize]);
+                let is_known = |weights: &&Weights| weights.iter().all(|&(node, _)| !undetermined[node as usize]);
                 let known: Vec<bool> = weights.iter().map(is_known).collect();
                 let entry = |i: usize, j: usize| -> f64 {
                     let product = solutions[i].iter().zip(&gathered[j]).map(|(x, y)| x * y).sum();

@@ -78,6 +78,12 @@ impl ReferenceCovariance {
         Ok(Self { dofs, hessian, noise, covariance, undetermined, factor })
     }
 
+    /// Whether two nodes share a cell, so that their covariance is known.
+    pub(super) fn share_a_cell(&self, row: u32, column: u32) -> bool {
+        let block: Option<Tensor<PLANE>> = self.covariance.block(&self.dofs.pattern, row as usize, column as usize);
+        block.is_some()
+    }
+
     /// Covariance of two nodes of the mesh that is solved on, which share a cell; `None` if no point determines one of them.
     pub(super) fn block(&self, row: u32, column: u32) -> Option<Tensor<PLANE>> {
         let (row, column) = (row as usize, column as usize);
