@@ -67,9 +67,10 @@ format: setup ## Format the sources.
 doc: ## Build the documentation of the Rust crates.
 	RUSTDOCFLAGS='-D warnings' cargo doc --workspace --no-deps
 
-bench: build ## Time the kernels, and whole measurements of 1 to 150 megapixels; PEER_PYTHON=... adds the peers.
+bench: build ## Time the kernels, whole measurements of 1 to 150 megapixels and a campaign; PEER_PYTHON=... adds the peers.
 	cargo bench --package fedic-benches
 	$(BIN)/python benches/python/compare.py $(if $(PEER_PYTHON),--peer-python $(PEER_PYTHON))
+	$(BIN)/python benches/python/campaign.py $(if $(PEER_PYTHON),--peer-python $(PEER_PYTHON))
 
 findings: ## Check the findings about other packages; needs network access and some minutes.
 	@for script in findings/*.sh; do echo "$$script"; "$$script" || exit 1; done
