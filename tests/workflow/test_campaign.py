@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 import fedic
 from fedic.campaign.tracking.prediction import KnownFrame, extrapolated, filled
+from fedic.starts.motion import moved
+from scenes.moved_plate import motion, pair
 from scenes.series import MESH, STEP, frame, frames, write_frames
 
 
@@ -155,6 +157,34 @@ def test_the_reference_is_updated_where_the_direct_measurement_fails() -> None:
     assert not direct[9].valid_nodes.any()
     # Where the direct measurement is possible the reference is never updated.
     assert {record.reference for record in run(frame(0), frames(4), MESH, reference_update="auto").frames} == {-1}
+
+
+@pytest.fixture(scope="module")
+def stretched() -> tuple[list[NDArray[np.uint8]], list[NDArray[np.float64]]]:
+    """Images of a plate stretched by up to 70 % and turned by up to 40 degrees, and the matrices of the motion."""
+    side, count = 260, 14
+    matrices = [
+        motion(40.0 * share, (1.0 - 0.21 * share, 1.0 + 0.7 * share), (10.0 * share, -6.0 * share), side=side)
+        for share in np.arange(1, count + 1) / count
+    ]
+    pairs = [pair(matrix, side=side, noise=2.0) for matrix in matrices]
+    return [pairs[0][0], *(deformed for _, deformed in pairs)], matrices
+
+
+@pytest.mark.parametrize("mode", ["first", "previous", "auto"])
+def test_a_long_series_of_large_strain_converges(stretched: Any, mode: Any) -> None:
+    images, matrices = stretched
+    mesh = fedic.rectangle_mesh((90.0, 90.0, 170.0, 170.0), 20.0)
+    campaign = run(images[0], images[1:], mesh, reference_update=mode)
+    assert all(record.converged for record in campaign.frames)
+    references = [record.reference for record in campaign.frames]
+    assert references == (list(range(-1, 13)) if mode == "previous" else [-1] * 14)
+    points = mesh.points[:, :2]
+    errors = [
+        float(np.sqrt(((result.displacement - (moved(matrix, points) - points)) ** 2).sum(axis=1).mean()))
+        for result, matrix in zip(campaign, matrices, strict=True)
+    ]
+    assert max(errors) < 0.05, errors
 
 
 def test_a_mask_moves_with_the_specimen() -> None:
