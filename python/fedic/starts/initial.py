@@ -45,7 +45,10 @@ def checked_initial(initial: Initial, mesh: Mesh) -> Start | Floats:
             )
         return np.nan_to_num(initial.unchecked_displacement)
     if isinstance(initial, str) and initial == "previous":
-        raise OptionError("a correlator remembers no earlier frame: give its result as initial", "initial")
+        raise OptionError(
+            "a correlator remembers no earlier frame: give its result as initial, or measure with fedic.Campaign",
+            "initial",
+        )
     if isinstance(initial, str) and initial in names:
         return initial  # type: ignore[return-value]
     if isinstance(initial, str) or initial is None:
