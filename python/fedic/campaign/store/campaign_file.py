@@ -5,6 +5,7 @@ import errno
 import json
 import shutil
 import threading
+import uuid
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -270,7 +271,8 @@ class CampaignFile:
     def _replace(self, write: Callable[[Any], None], needed: int, *, is_new: bool = False) -> None:
         """Make a new file, whole or not at all, in the place of the present one, and open it for writing."""
         if self.path is None:
-            file = h5py.File("campaign", "w", driver="core", backing_store=False)
+            # HDF5 takes open files of one name for the same, also those in memory.
+            file = h5py.File(f"campaign-{uuid.uuid4().hex}", "w", driver="core", backing_store=False)
             write(file)
             self._file = file
             return
