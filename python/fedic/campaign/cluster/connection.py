@@ -106,7 +106,7 @@ def _local_cluster(distributed: Any, count: int) -> Iterator[Any]:
             n_workers=count,
             threads_per_worker=max(1, cores // count),
             processes=True,
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",
             # Dask would stop a worker for ever whose prepared reference image takes most of its share.
             memory_limit=0,
             silence_logs=logging.ERROR,

@@ -7,6 +7,7 @@ import uuid
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from fedic._core import __version__
@@ -32,6 +33,8 @@ _PATIENCE = 60.0
 """Seconds without any worker after which a run ends."""
 _GLANCE = 1.0
 """Seconds between two looks at the workers."""
+_TOGETHER = 0.2
+"""Seconds in which the scheduler reports all blocks of a lost worker."""
 
 
 @contextmanager
@@ -155,16 +158,31 @@ class _ClusterExecutor:
 
     def _collect(self, running: dict[Any, tuple[int, Block]]) -> dict[int, list[FinishedFrame]]:
         """Wait for a moment; return the blocks that are finished, and release what the workers hold of them."""
+        distributed = distributed_module()
         self._is_any_done.wait(_GLANCE)
         self._is_any_done.clear()
-        found = {}
+        if any(future.status == "error" for future in running):
+            # Of a lost worker all blocks are reported, one after the other.
+            time.sleep(_TOGETHER)
+        found: dict[int, list[FinishedFrame]] = {}
+        killed: list[tuple[int, Block, Any]] = []
         for future in [future for future in running if future.done()]:
             number, block = running[future]
-            with contextlib.suppress(distributed_module().TimeoutError):
-                # The worker may be lost with what it has finished; then the block is measured again.
+            try:
                 found[number] = self._frames(future, block)
-                del running[future]
-                future.release()
+            except distributed.TimeoutError:
+                # The worker was lost with what it had finished; the block is measured again.
+                continue
+            except distributed.KilledWorker as error:
+                killed.append((number, block, error))
+            del running[future]
+            future.release()
+        killed.sort(key=lambda each: each[0])
+        for number, block, fault in killed[:1]:
+            found[number] = self._lost(block, fault)
+        # A worker measures its blocks in their order: the others were waiting behind the first one.
+        for number, block, _ in killed[1:]:
+            running[self._submit(block)] = number, block
         return found
 
     def _frames(self, future: Any, block: Block) -> list[FinishedFrame]:
@@ -172,13 +190,7 @@ class _ClusterExecutor:
         distributed = distributed_module()
         try:
             sent = future.result(timeout=_GLANCE)
-        except distributed.KilledWorker as error:
-            reason = (
-                f"the worker that measured {block.names} was lost {error.allowed_failures + 1} times, killed or out of "
-                "memory; give the workers more memory, or measure it without Dask."
-            )
-            return [self._failed(frame, reason) for frame in block.frames]
-        except (FedicError, distributed.TimeoutError):
+        except (FedicError, distributed.TimeoutError, distributed.KilledWorker):
             raise
         except distributed.CancelledError as error:
             raise FedicError(
@@ -196,9 +208,17 @@ class _ClusterExecutor:
         result = self._results.result_of(sent.data, image)
         return FinishedFrame(Measured(sent.record, result, image), lambda: sent.data)
 
-    def _failed(self, frame: SeriesFrame, reason: str) -> FinishedFrame:
-        outcome = Outcome(frame, None, reason, 0.0)
-        return FinishedFrame(Measured(outcome.record(), None, None), lambda: outcome.data(self._setup))
+    def _lost(self, block: Block, error: Any) -> list[FinishedFrame]:
+        """Return the frames of a block that no worker has survived."""
+        reason = (
+            f"the worker that measured {block.names} was lost {error.allowed_failures + 1} times, killed or out of "
+            "memory; give the workers more memory, or measure without Dask."
+        )
+        outcomes = [Outcome(frame, None, reason, 0.0) for frame in block.frames]
+        return [
+            FinishedFrame(Measured(outcome.record(), None, None), partial(outcome.data, self._setup))
+            for outcome in outcomes
+        ]
 
     def _num_workers(self) -> int:
         """Return the number of workers; raise an error if there have been none for a long time."""
