@@ -20,7 +20,7 @@ Cluster: TypeAlias = "str | Client"
 
 _LOCAL = re.compile(r"local:([1-9]\d{0,3})")
 _ADDRESS = re.compile(r"[a-z]+://\S+")
-_CONNECT_SECONDS = 10.0
+_CONNECT_SECONDS = 30.0
 """Time in which a scheduler must answer."""
 _GUARD = (
     "local workers run the script again while they start; put what the script does into a function, and call it under "
@@ -110,6 +110,7 @@ def _local_cluster(distributed: Any, count: int) -> Iterator[Any]:
             # Dask would stop a worker for ever whose prepared reference image takes most of its share.
             memory_limit=0,
             silence_logs=logging.ERROR,
+            preload=["fedic.campaign.cluster.worker"],
         )
     except (RuntimeError, OSError) as error:
         raise FedicError(f"local:{count}: the workers cannot be started ({error}). In a script, {_GUARD}") from error

@@ -85,8 +85,7 @@ def cluster_executor(
             client.register_plugin(MeasuringPlugin(name, setup, _sent(client, reference, image), __version__), name)
             yield _ClusterExecutor(client, name, setup, results)
         finally:
-            # After the scheduler was lost there is nothing to tidy up.
-            with contextlib.suppress(OSError, ValueError, RuntimeError):
+            with _without_scheduler():
                 client.unregister_worker_plugin(name)
 
 
@@ -133,7 +132,8 @@ class _ClusterExecutor:
                 else:
                     break
         finally:
-            self._client.cancel(list(running))
+            with _without_scheduler():
+                self._client.cancel(list(running))
         if self._fault is not None:
             raise self._fault
 
@@ -193,10 +193,7 @@ class _ClusterExecutor:
         except (FedicError, distributed.TimeoutError, distributed.KilledWorker):
             raise
         except distributed.CancelledError as error:
-            raise FedicError(
-                "the scheduler of Dask was lost, or has cancelled the measurement; run again to go on with the frames "
-                "that are not finished."
-            ) from error
+            raise _lost_scheduler() from error
         except Exception as error:
             raise FedicError(f"{block.names}: a worker of Dask failed ({type(error).__name__}: {error}).") from error
         return [self._finished(*pair) for pair in zip(block.frames, sent, strict=True)]
@@ -222,12 +219,27 @@ class _ClusterExecutor:
 
     def _num_workers(self) -> int:
         """Return the number of workers; raise an error if there have been none for a long time."""
-        count = len(self._client.nthreads())
+        try:
+            count = len(self._client.nthreads())
+        except OSError as error:
+            raise _lost_scheduler() from error
         if count:
             self._last_seen = time.monotonic()
         elif time.monotonic() - self._last_seen > _PATIENCE:
             raise _no_workers()
         return count
+
+
+def _without_scheduler() -> contextlib.suppress:
+    """Ignore the errors of tidying up after the scheduler was lost."""
+    return contextlib.suppress(OSError, RuntimeError, ValueError)
+
+
+def _lost_scheduler() -> FedicError:
+    return FedicError(
+        "the scheduler of Dask was lost, or has cancelled the measurement; run again to go on with the frames that are "
+        "not finished."
+    )
 
 
 def _no_workers() -> FedicError:

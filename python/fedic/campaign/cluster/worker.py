@@ -3,6 +3,7 @@
 Workers import this module; it needs the package ``distributed``.
 """
 
+import signal
 import threading
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,7 +23,7 @@ from fedic.campaign.tracking import Tracker
 from fedic.correlation import Correlator
 from fedic.errors import FedicError
 
-__all__ = ["MeasuringPlugin", "SentFrame", "installed_version", "measure_block"]
+__all__ = ["MeasuringPlugin", "SentFrame", "dask_setup", "installed_version", "measure_block"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,3 +125,8 @@ def measure_block(name: str, block: Block) -> list[SentFrame]:
 def installed_version() -> str:
     """Return the version of fedic of this process."""
     return __version__
+
+
+def dask_setup(worker: Any) -> None:
+    """Leave Ctrl-C to the process that has started this worker; Dask calls this where the module is preloaded."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
