@@ -3,6 +3,7 @@
 import contextlib
 import os
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -18,7 +19,9 @@ from numpy.typing import NDArray
 import fedic
 from fedic.campaign.cluster import connection, executor
 from fedic.campaign.cluster.connection import connected
-from scenes.runs import write_image
+from interruption import read_line, script
+from scenes.runs import contents as files_of
+from scenes.runs import run, write_image, write_run
 
 Image = NDArray[np.uint8]
 COUNT = 16
@@ -129,9 +132,7 @@ def test_blocks_do_not_depend_on_the_number_of_workers(
 
 
 @pytest.mark.parametrize("starts", ["independent", "extrapolated"])
-def test_an_interrupted_run_goes_on(
-    client: distributed.Client, files: list[Path], tmp_path: Path, starts: Any
-) -> None:
+def test_an_interrupted_run_goes_on(client: distributed.Client, files: list[Path], tmp_path: Path, starts: Any) -> None:
     measured(files[1:], files[0], tmp_path / "whole.vtkhdf", client, starts=starts)
     path = tmp_path / "parts.vtkhdf"
     campaign = fedic.Campaign(files[0], files[1:], MESH, store=path, starts=starts)
@@ -144,9 +145,7 @@ def test_an_interrupted_run_goes_on(
     assert_same(tmp_path / "whole.vtkhdf", path)
 
 
-def test_missing_and_broken_frames_are_named(
-    client: distributed.Client, files: list[Path], tmp_path: Path
-) -> None:
+def test_missing_and_broken_frames_are_named(client: distributed.Client, files: list[Path], tmp_path: Path) -> None:
     broken = tmp_path / "broken.png"
     broken.write_bytes(b"damaged")
     frames = [*files[1:4], tmp_path / "missing.png", broken, np.zeros((10, 10), np.uint8), *files[4:6]]
@@ -232,9 +231,7 @@ def test_a_missing_package_is_named(files: list[Path], monkeypatch: pytest.Monke
         measured(files[1:], files[0], None, "local:2")
 
 
-def test_a_scheduler_out_of_reach_is_named(
-    files: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_scheduler_out_of_reach_is_named(files: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(connection, "_CONNECT_SECONDS", 1.0)
     path = tmp_path / "results.vtkhdf"
     with pytest.raises(fedic.FedicError, match=r"tcp://127\.0\.0\.1:9: no scheduler of Dask answers there"):
@@ -299,3 +296,69 @@ def test_nothing_is_left_on_the_workers(client: distributed.Client, files: list[
 
 def _plugins(dask_worker: Any) -> list[str]:
     return list(dask_worker.plugins)
+
+
+def test_the_command_writes_the_same_files(tmp_path: Path) -> None:
+    names = ["a.png", "b.png", "broken.png", "c.png"]
+    config = write_run(tmp_path, names, pictures=True, more='[series]\nstarts = "independent"\n')
+    (tmp_path / "broken.png").write_bytes(b"damaged")
+    for folder, arguments in (("serial", []), ("dask", ["--dask", "local:2"])):
+        outcome = run(config, *arguments)
+        assert outcome.exit_code == 2
+        assert "1 of 4 frames failed, the first being broken.png" in outcome.stderr
+        (tmp_path / "out").rename(tmp_path / folder)
+    assert_same(tmp_path / "serial" / "results.vtkhdf", tmp_path / "dask" / "results.vtkhdf")
+    serial, dask = (files_of(tmp_path / folder) for folder in ("serial", "dask"))
+    assert serial.keys() == dask.keys()
+    assert "c_residual.png" in dask
+    assert {name for name in serial if serial[name] != dask[name]} <= {"summary.json", "results.vtkhdf"}
+
+
+def test_the_command_names_a_wrong_cluster(tmp_path: Path) -> None:
+    config = write_run(tmp_path, ["a.png"])
+    outcome = run(config, "--dask", "four")
+    assert outcome.exit_code == 2
+    assert "cluster is 'four'; give 'local:4'" in outcome.stderr
+
+
+def test_a_script_without_a_guard_is_told_so(files: list[Path], tmp_path: Path) -> None:
+    text = f"""
+import fedic
+frames = [{str(files[1])!r}]
+fedic.Campaign({str(files[0])!r}, frames, fedic.rectangle_mesh((20, 20, 180, 180), 20)).run(cluster="local:1")
+"""
+    path = tmp_path / "unguarded.py"
+    path.write_text(text)
+    outcome = subprocess.run([sys.executable, path], capture_output=True, text=True, timeout=120)
+    assert outcome.returncode == 1
+    assert "local workers run the script again while they start; put what the script does" in outcome.stderr
+
+
+def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(files: list[Path], tmp_path: Path) -> None:
+    path = tmp_path / "results.vtkhdf"
+    text = """
+    import multiprocessing
+    import sys
+    import fedic
+    if __name__ == "__main__":
+        files = sys.argv[2:]
+        mesh = fedic.rectangle_mesh((20, 20, 180, 180), 4)
+        campaign = fedic.Campaign(files[0], files[1:] * 20, mesh, store=sys.argv[1])
+        try:
+            for item in campaign.measure(cluster="local:1"):
+                if item.record.index == 2:
+                    print(*(child.pid for child in multiprocessing.active_children()), flush=True)
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+    """
+    with script(text, str(path), *map(str, files)) as process:
+        children = [int(each) for each in read_line(process).split()]
+        assert children
+        for pid in [process.pid, *children]:
+            os.kill(pid, signal.SIGINT)
+        assert read_line(process) == "interrupted"
+        assert process.wait(60) == 0
+    assert len(fedic.load(path)) >= 2
+    for pid in children:
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
