@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import unittest.mock
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,9 @@ from numpy.typing import NDArray
 
 import fedic
 from fedic.campaign.cluster import connection, executor
+from fedic.campaign.cluster.blocks import Block
 from fedic.campaign.cluster.connection import connected
+from fedic.campaign.frames.series import SeriesFrame
 from interruption import read_line, script
 from scenes.runs import contents as files_of
 from scenes.runs import run, write_image, write_run
@@ -203,13 +206,39 @@ class _Deadly(distributed.WorkerPlugin):
 
 
 def test_a_frame_that_kills_its_workers_fails_alone(files: list[Path]) -> None:
-    # On the only worker the next frame waits behind the deadly one, and is lost as often.
-    with connected("local:1") as client:
+    with connected("local:2") as client:
         client.register_plugin(_Deadly())
         with pytest.warns(fedic.QualityWarning, match="1 of 8 frames could not be measured"):
             campaign = measured(files[1:9], files[0], None, client)
     assert [record.name for record in campaign.frames if record.error] == ["frame_04"]
     assert "the worker that measured frame_04 was lost 4 times" in campaign.frames[3].error
+
+
+def test_frames_that_waited_behind_a_deadly_one_are_measured_again() -> None:
+    class Lost:
+        status = "error"
+
+        def done(self) -> bool:
+            return True
+
+        def result(self, timeout: float) -> None:
+            raise distributed.KilledWorker("key", None, 3)
+
+        def release(self) -> None: ...
+
+    class Client:
+        def submit(self, *arguments: Any, pure: bool) -> Any:
+            assert not pure
+            return unittest.mock.Mock()
+
+    setup = fedic.Campaign(np.eye(100, dtype=np.uint8), [np.eye(100, dtype=np.uint8)], MESH)._setup
+    found = executor._ClusterExecutor(Client(), "name", setup, unittest.mock.Mock())
+    frames = [SeriesFrame(index, f"frame {index}", float("nan"), np.eye(100)) for index in range(3)]
+    running: dict[Any, Any] = {Lost(): (index, Block([frames[index]], [])) for index in (2, 0, 1)}
+    lost = found._collect(running)
+    assert list(lost) == [0]
+    assert "the worker that measured frame 0 was lost 4 times" in lost[0][0].measured.record.error
+    assert sorted(number for number, _ in running.values()) == [1, 2]
 
 
 def test_updates_of_the_reference_image_are_refused(files: list[Path], tmp_path: Path) -> None:
