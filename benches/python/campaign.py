@@ -62,12 +62,12 @@ def main() -> None:
 
 
 def write_frames(folder: Path, count: int, megapixels: float) -> list[Path]:
-    """Write a reference and frames with a growing affine motion, a wobble, and noise of one grey level."""
+    """Write a reference and frames with a growing affine motion, a wobble, and noise of one grey level, unsaturated."""
     height = round((1e6 * megapixels / 1.2) ** 0.5)
     width = round(1.2 * height)
     rng = np.random.default_rng(3)
     texture = cv2.GaussianBlur(rng.normal(0, 1, (height + 80, width + 80)).astype(np.float32), (0, 0), 1.8)
-    texture = 128 + 45 * texture / texture.std()
+    texture = 128 + 22 * texture / texture.std()
     noise = rng.normal(0, 1, (height + 400, width + 400)).astype(np.float32)
     files = []
     for number in range(count + 1):

@@ -285,3 +285,9 @@ def test_a_campaign_reads_tables_and_exports(tmp_path: Path) -> None:
     joined = table.join(campaign.join(machine, time="Time"))
     np.testing.assert_allclose(joined["Force"], [0.0, 5.0, 10.0, 15.0])
     assert campaign.export(tmp_path / "nodes.csv").stat().st_size > 0
+
+
+def test_several_campaigns_in_memory_exist_at_once() -> None:
+    one, other = (run(frame(0), [frame(number)], MESH) for number in (1, 2))
+    assert error(one[0], 1) < 0.03
+    assert error(other[0], 2) < 0.03

@@ -11,12 +11,14 @@ from fedic._internal.masks import pixel_mask
 from fedic._internal.types import Camera, StrPath
 from fedic._internal.units import checked_unit
 from fedic._internal.warning_level import levels_within_fedic
+from fedic.campaign.cluster import Cluster
 from fedic.campaign.frames import FrameEntry, FrameSeries, Times, load_entry
 from fedic.campaign.frames.entry import checked_entry, image_count
+from fedic.campaign.measured import Measured
 from fedic.campaign.progress_bar import progress_bar
 from fedic.campaign.readings import CampaignReadings
 from fedic.campaign.record import FrameRecord
-from fedic.campaign.run import Measured, Run
+from fedic.campaign.run import Run
 from fedic.campaign.setup import Setup
 from fedic.campaign.store import CampaignFile
 from fedic.campaign.tracking import ReferenceUpdate, Starts
@@ -164,6 +166,7 @@ class Campaign(CampaignReadings):
         resume: bool = True,
         overwrite: bool = False,
         progress: ProgressCallback | bool | None = None,
+        cluster: "Cluster | None" = None,
     ) -> "Campaign":
         """Measure the frames that are not finished yet.
 
@@ -176,6 +179,9 @@ class Campaign(CampaignReadings):
         progress : callable or bool, optional
             Called with a `fedic.Progress` after each frame; true for a progress bar, false for none. By default there
             is a bar in a notebook and on a terminal.
+        cluster : str or distributed.Client, optional
+            Dask workers that measure the frames, see docs/clusters.md: ``"local:4"`` for four processes on this
+            machine, the address of a scheduler such as ``"tcp://host:8786"``, or a client.
 
         Returns
         -------
@@ -187,7 +193,7 @@ class Campaign(CampaignReadings):
         ImageError, MeshError, CameraError, SolveError, OptionError
             If the reference image, the mesh, the camera or the options cannot be used.
         FedicError
-            If the results cannot be written, or are of another campaign.
+            If the results cannot be written, or are of another campaign, or the workers cannot be used.
 
         Warns
         -----
@@ -195,13 +201,18 @@ class Campaign(CampaignReadings):
             If frames could not be measured or are doubtful.
         """
         with progress_bar(progress, self._series.count if self._series else None) as callback:
-            for _ in self.measure(resume=resume, overwrite=overwrite, progress=callback):
+            for _ in self.measure(resume=resume, overwrite=overwrite, progress=callback, cluster=cluster):
                 pass
         _warn_of_frames(self.frames)
         return self
 
     def measure(
-        self, *, resume: bool = True, overwrite: bool = False, progress: ProgressCallback | None = None
+        self,
+        *,
+        resume: bool = True,
+        overwrite: bool = False,
+        progress: ProgressCallback | None = None,
+        cluster: "Cluster | None" = None,
     ) -> Iterator[Measured]:
         """Measure the frames that are not finished yet, one by one.
 
@@ -211,6 +222,8 @@ class Campaign(CampaignReadings):
             See `run`.
         progress : callable, optional
             Called with a `fedic.Progress` after each frame.
+        cluster : str or distributed.Client, optional
+            See `run`.
 
         Yields
         ------
@@ -222,7 +235,7 @@ class Campaign(CampaignReadings):
         FedicError
             As `run`.
         """
-        yield from self._run().frames(resume=resume, overwrite=overwrite, progress=progress)
+        yield from self._run().frames(resume=resume, overwrite=overwrite, progress=progress, cluster=cluster)
 
     def check(self) -> None:
         """Check that results which `store` holds are of this campaign, so that a run can go on with them.

@@ -97,9 +97,26 @@ class StoredResults:
         if data.columns["error"]:
             name, error = (data.columns[key].decode() for key in ("name", "error"))
             raise FedicError(f"frame {index} ({name}) was not measured: {error}")
+        return self.result_of(data, None)
+
+    def result_of(self, data: FrameData, image: Image | None) -> Result:
+        """Return the result of a frame that was measured.
+
+        Parameters
+        ----------
+        data : FrameData
+            What is stored of it.
+        image : ndarray of shape (height, width), or None
+            Its image, if it has no file and is known.
+
+        Returns
+        -------
+        Result
+            The result.
+        """
         setup = self.setup
         unit = checked_unit(setup.unit, setup.camera)
-        return to_result(setup.mesh, setup.camera, unit, data, self._measurement(data))
+        return to_result(setup.mesh, setup.camera, unit, data, self._measurement(data, image))
 
     def covariance(self, index: int) -> Covariance | None:
         """Return the covariance of a frame; None if the noise is not known, or an image is not any more."""
@@ -112,13 +129,13 @@ class StoredResults:
         """Use the correlator of the first reference image that a run has prepared."""
         self._correlators[-1] = correlator
 
-    def _measurement(self, data: FrameData) -> Measurement:
+    def _measurement(self, data: FrameData, image: Image | None) -> Measurement:
         reference = int(data.columns["reference"])
         place = self._place(reference)
         setup = self.setup
         return Measurement(
             reference=place.image,
-            deformed=self._kept_frame(data, "deformed"),
+            deformed=self._kept_frame(data, "deformed", image),
             mesh=place.mesh,
             camera=setup.camera,
             mask=place.mask,
@@ -141,14 +158,15 @@ class StoredResults:
             displacement = filled(setup.mesh, np.asarray(data.fields["PointData/displacement"])[:, :2])
             mesh = moved_mesh(setup.mesh, displacement)
             mask = moved_mask(setup.mask, setup.mesh, displacement, mesh, setup.camera)
-            self._places = {reference: _Place(self._kept_frame(data, "reference"), mesh, mask, displacement)}
+            self._places = {reference: _Place(self._kept_frame(data, "reference", None), mesh, mask, displacement)}
         return self._places[reference]
 
-    def _kept_frame(self, data: FrameData, name: str) -> KeptImage:
+    def _kept_frame(self, data: FrameData, name: str, image: Image | None) -> KeptImage:
         names = data.columns["image"].decode("utf-8", "surrogateescape")
         files = [Path(file) for file in names.split("\n") if file]
-        array = load_entry(self.entries[data.index], name) if self.entries and not files else None
-        return _kept(name, files, array, int(data.columns["checksum"]))
+        if image is None and self.entries and not files:
+            image = load_entry(self.entries[data.index], name)
+        return _kept(name, files, None if files else image, int(data.columns["checksum"]))
 
     def _prepared(self, reference: int) -> Callable[[], "_core.Correlator"]:
         """Return a function that prepares a reference image when it is first needed."""

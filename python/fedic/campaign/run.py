@@ -1,45 +1,29 @@
-"""The run of a campaign: frames read ahead, measured in their order, and written behind."""
+"""The run of a campaign: which frames are left, and how they are written and reported once they are measured."""
 
-import time
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from fedic._core import __version__
 from fedic._internal.types import Image
-from fedic.campaign.frames import FrameEntry, FrameSeries, LoadedFrame, load_entry, read_ahead
+from fedic.campaign.cluster import Cluster, check_cluster, cluster_executor
+from fedic.campaign.frames import FrameEntry, FrameSeries, load_entry
 from fedic.campaign.frames.entry import entry_files
 from fedic.campaign.frames.series import SeriesFrame
-from fedic.campaign.record import FrameRecord
+from fedic.campaign.measured import Executor, Measured
 from fedic.campaign.results import StoredResults, records_of
+from fedic.campaign.serial import SerialExecutor
 from fedic.campaign.setup import Setup, setup_entries
-from fedic.campaign.store import FrameData, WriteBehind, of_failed_frame, of_result
-from fedic.campaign.tracking import Tracked, Tracker, is_known
-from fedic.errors import FedicError
+from fedic.campaign.store import WriteBehind
+from fedic.campaign.tracking import Tracked, is_known
+from fedic.correlation import Correlator
+from fedic.errors import FedicError, OptionError
 from fedic.io.image_origins import sample_checksum
 from fedic.progress import Progress, ProgressCallback
 from fedic.results import Result
 
-__all__ = ["Measured", "Run", "reference_entries"]
-
-
-class Measured(NamedTuple):
-    """A frame of a run.
-
-    Attributes
-    ----------
-    record : FrameRecord
-        What is known of it besides its fields.
-    result : Result or None
-        Its result; None if it could not be measured.
-    image : ndarray, shape (height, width), or None
-        Its image; None if it could not be read.
-    """
-
-    record: FrameRecord
-    result: Result | None
-    image: Image | None
+__all__ = ["Run", "reference_entries"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +47,14 @@ class Run:
     reference: FrameEntry
     results: StoredResults
 
-    def frames(self, *, resume: bool, overwrite: bool, progress: ProgressCallback | None = None) -> Iterator[Measured]:
+    def frames(
+        self,
+        *,
+        resume: bool,
+        overwrite: bool,
+        progress: ProgressCallback | None = None,
+        cluster: "Cluster | None" = None,
+    ) -> Iterator[Measured]:
         """Measure the frames that are not finished.
 
         Parameters
@@ -74,6 +65,8 @@ class Run:
             Whether to replace a file that exists, once the reference image is prepared.
         progress : callable, optional
             Called with a `fedic.Progress` after each frame.
+        cluster : str or distributed.Client, optional
+            The workers that measure; this process by default.
 
         Yields
         ------
@@ -83,8 +76,10 @@ class Run:
         Raises
         ------
         FedicError
-            If the file cannot be used, or the reference image, the mesh or the camera.
+            If the file cannot be used, or the reference image, the mesh, the camera or the workers.
         """
+        if cluster is not None:
+            self._check_cluster(cluster)
         file, count = self.results.file, self.series.count
         is_there = file.exists and not overwrite
         if is_there and not resume:
@@ -101,19 +96,12 @@ class Run:
                 return
             correlator = self.setup.prepare(image, self.setup.mesh, self.setup.mask, progress)
             self.results.keep(correlator)
-            if not is_there:
-                file.create(self.setup, reference_entries(self.reference, image), count, overwrite=overwrite)
-            elif count is not None and count > file.capacity():
-                file.resize(count)
-            tracker = Tracker(
-                correlator,
-                self.setup.mesh,
-                self.setup.mask,
-                self.setup.prepare,
-                self.setup.starts,
-                self.setup.reference_update,
-            )
-            yield from self._measured(tracker, done, progress)
+            with self._executor(correlator, image, cluster) as executor:
+                if not is_there:
+                    file.create(self.setup, reference_entries(self.reference, image), count, overwrite=overwrite)
+                elif count is not None and count > file.capacity():
+                    file.resize(count)
+                yield from self._measured(executor, done, progress)
             if count is None:
                 file.resize(file.num_frames())
         finally:
@@ -130,34 +118,36 @@ class Run:
         if self.results.file.exists:
             self._checked_frames(load_entry(self.reference, "reference"))
 
-    def _measured(self, tracker: Tracker, done: int, progress: ProgressCallback | None) -> Iterator[Measured]:
+    def _check_cluster(self, cluster: Cluster) -> None:
+        check_cluster(cluster)
+        if self.setup.reference_update != "first":
+            raise OptionError(
+                f"reference_update={self.setup.reference_update!r} needs the frame before, which another worker of "
+                "Dask may have; give 'first', or measure without Dask",
+                "reference_update",
+            )
+
+    def _executor(
+        self, correlator: Correlator, image: Image, cluster: "Cluster | None"
+    ) -> AbstractContextManager[Executor]:
+        if cluster is None:
+            return nullcontext(SerialExecutor(self.setup, correlator))
+        return cluster_executor(cluster, self.setup, self.reference, image, self.results)
+
+    def _measured(self, executor: Executor, done: int, progress: ProgressCallback | None) -> Iterator[Measured]:
         writer = WriteBehind(self.results.file)
         try:
-            for loaded in read_ahead(self._remaining(tracker, done)):
-                measured = self._measure(tracker, loaded, writer)
+            for finished in executor.measure(self._remaining(executor, done)):
+                measured = finished.measured
+                writer.put(finished.data, measured.record.seconds)
                 if progress is not None:
                     progress(_progress(measured, self.series.count))
                 yield measured
         finally:
             writer.close()
 
-    def _measure(self, tracker: Tracker, loaded: LoadedFrame, writer: WriteBehind) -> Measured:
-        start = time.perf_counter()
-        frame, error = loaded.frame, loaded.error
-        tracked: Tracked | None = None
-        if loaded.image is not None:
-            try:
-                tracked = tracker.measure(frame.index, loaded.image)
-            except FedicError as fault:
-                error = str(fault)
-            except MemoryError:
-                error = "there is not enough memory for this frame; give a coarser mesh or smaller images."
-        seconds = time.perf_counter() - start
-        writer.put(partial(frame_data, self.setup, frame, tracked, error), seconds)
-        return Measured(_record(frame, tracked, error, seconds), tracked.result if tracked else None, loaded.image)
-
-    def _remaining(self, tracker: Tracker, done: int) -> Iterator[SeriesFrame]:
-        """Yield the frames that are not finished, once the tracker has those that it goes on from."""
+    def _remaining(self, executor: Executor, done: int) -> Iterator[SeriesFrame]:
+        """Yield the frames that are not finished, once the executor has those that it goes on from."""
         if done == 0:
             yield from iter(self.series)
             return
@@ -168,14 +158,14 @@ class Run:
         if self.series.count is not None:
             if needs_images:
                 images = {index: load_entry(self.series.frame(index).entry, "reference") for index in wanted}
-            tracker.restore(_with_images(known, images), _with_image(reference, images))
+            executor.restore(_with_images(known, images), _with_image(reference, images))
             yield from map(self.series.frame, range(done, self.series.count))
             return
         for frame in self.series:
             if frame.index in wanted and needs_images:
                 images[frame.index] = load_entry(frame.entry, "reference")
             if frame.index == done:
-                tracker.restore(_with_images(known, images), _with_image(reference, images))
+                executor.restore(_with_images(known, images), _with_image(reference, images))
             if frame.index >= done:
                 yield frame
 
@@ -239,31 +229,6 @@ class _Earlier:
     reference: int
 
 
-def frame_data(setup: Setup, frame: SeriesFrame, tracked: Tracked | None, error: str) -> FrameData:
-    """Return what is stored of a frame.
-
-    Parameters
-    ----------
-    setup : Setup
-        What was measured with.
-    frame : SeriesFrame
-        The frame.
-    tracked : Tracked or None
-        What was measured.
-    error : str
-        Why nothing was.
-
-    Returns
-    -------
-    FrameData
-        The data.
-    """
-    measure, has_drift = setup.strain_measure, setup.reference_update != "first"
-    if tracked is None:
-        return of_failed_frame(frame, error, setup.mesh, measure, has_drift=has_drift)
-    return of_result(frame, tracked.result, measure, tracked.reference, tracked.drift, has_drift=has_drift)
-
-
 def reference_entries(reference: FrameEntry, image: Image) -> dict[str, Any]:
     """Return JSON types that identify a reference image."""
     return {
@@ -271,27 +236,6 @@ def reference_entries(reference: FrameEntry, image: Image) -> dict[str, Any]:
         "shape": list(image.shape),
         "checksum": sample_checksum(image),
     }
-
-
-def _record(frame: SeriesFrame, tracked: Tracked | None, error: str, seconds: float) -> FrameRecord:
-    if tracked is None:
-        nan = float("nan")
-        return FrameRecord(frame.index, frame.name, frame.time, error, False, False, nan, nan, 0, "", -1, seconds)
-    result = tracked.result
-    return FrameRecord(
-        frame.index,
-        frame.name,
-        frame.time,
-        "",
-        result.converged,
-        result.quality.is_good,
-        result.residual_rms,
-        result.quality.noise,
-        result.iterations,
-        result.start,
-        tracked.reference,
-        seconds,
-    )
 
 
 def _progress(measured: Measured, count: int | None) -> Progress:

@@ -10,9 +10,10 @@ from typing import Any
 from fedic._core import __version__
 from fedic._internal.types import Image
 from fedic.campaign.campaign import Campaign
+from fedic.campaign.cluster import Cluster
 from fedic.campaign.config import Config
+from fedic.campaign.measured import Measured
 from fedic.campaign.outputs import DISPLACEMENT, MESH_PICTURE, RESIDUAL, SUMMARY, Outputs, remove
-from fedic.campaign.run import Measured
 from fedic.errors import FedicError
 from fedic.io.atomic import write_json
 from fedic.io.images import read_image
@@ -62,7 +63,11 @@ class Frame:
 
 
 def measure_series(
-    config: Config, *, overwrite: bool = False, progress: ProgressCallback | None = None
+    config: Config,
+    *,
+    overwrite: bool = False,
+    progress: ProgressCallback | None = None,
+    cluster: "Cluster | None" = None,
 ) -> Iterator[Frame]:
     """Measure every deformed image of a configuration.
 
@@ -79,6 +84,8 @@ def measure_series(
         If true, the results of an earlier run in the folder are removed once the reference is prepared.
     progress : callable, optional
         Called with a `fedic.Progress`.
+    cluster : str or distributed.Client, optional
+        Dask workers that measure the frames; see `fedic.Campaign.run`.
 
     Yields
     ------
@@ -92,8 +99,8 @@ def measure_series(
         If a result would replace a file that is read.
     FedicError
         If the folder cannot be written, holds results of another run and `overwrite` is false; if the reference, the
-        mesh or the camera cannot be used; or, once all frames are done, if some failed or the summary could not be
-        written.
+        mesh, the camera or the workers cannot be used; or, once all frames are done, if some failed or the summary
+        could not be written.
     """
     outputs = config.outputs()
     outputs.check()
@@ -107,7 +114,7 @@ def measure_series(
     yield from frames
     unwritten: FedicError | None = None
     written = 0.0
-    for measured in campaign.measure(overwrite=overwrite, progress=progress):
+    for measured in campaign.measure(overwrite=overwrite, progress=progress, cluster=cluster):
         if is_new:
             is_new = False
             outputs.clear()

@@ -20,6 +20,15 @@ def run_command(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Remove the results of an earlier run in the output folder first.")
     ] = False,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            "--dask",
+            metavar="CLUSTER",
+            help="Measure on Dask workers: local:4 for four processes on this machine, or the address of a scheduler "
+            "such as tcp://host:8786.",
+        ),
+    ] = None,
 ) -> None:
     """Measure a series of images described by a configuration file; go on where an interrupted run has stopped.
 
@@ -35,7 +44,7 @@ def run_command(
             echo(f"{shown(settings.images.reference.name)}: the reference image, left out of images.deformed", err=True)
         frames = []
         with progress_bar(None, len(settings.images.deformed)) as progress:
-            for frame in measure_series(settings, overwrite=overwrite, progress=progress):
+            for frame in measure_series(settings, overwrite=overwrite, progress=progress, cluster=dask):
                 if frame.is_new:
                     _print_frame(frame)
                 frames.append(frame)
