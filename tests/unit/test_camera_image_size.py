@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fedic
-from fedic.campaign.camera_section import CameraFileSection
+from fedic.campaign.config.camera_section import CameraFileSection
 
 VECTOR = np.array([3.0, 0.2, -0.1])
 BROWN = fedic.BrownDistortion((-0.1, 0.2, 0.05), (1e-3, -5e-4), (8e-4, -6e-4))

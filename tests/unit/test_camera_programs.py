@@ -60,7 +60,7 @@ def test_other_units_models_and_shapes_are_refused(name: str, content: str, mess
 
 
 def test_the_pose_of_a_second_camera_may_come_from_the_configuration(tmp_path: Path) -> None:
-    from fedic.campaign.camera_section import CameraFileSection
+    from fedic.campaign.config.camera_section import CameraFileSection
 
     file = next(each for each in FILES if each.program == "OpenCV stereo without R, T")
     path = file.make(tmp_path)

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
-from fedic.campaign.correlation_section import CorrelationSection
+from fedic.campaign.config.correlation_section import CorrelationSection
 
 Floats = NDArray[np.float64]
 SHAPE = (280, 280)

@@ -14,7 +14,7 @@ import pytest
 import fedic
 from fedic._core import CORRELATION_OPTIONS, SPECIMEN_OPTIONS, OptionInfo
 from fedic._internal import option_types
-from fedic.campaign.correlation_section import CorrelationSection
+from fedic.campaign.config.correlation_section import CorrelationSection
 from fedic.plotting import plot_displacement
 from fedic.starts.initial import Start
 

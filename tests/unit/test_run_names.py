@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fedic.campaign.image_list import expand_names, natural_order
+from fedic.campaign.frames.image_list import expand_names, natural_order
 from fedic.campaign.outputs import Outputs, result_names
 
 

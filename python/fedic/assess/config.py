@@ -8,11 +8,11 @@ from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo
 from fedic._internal.sections import InFolder, Positive, Real, Schema, Section, config_error, in_folder
 from fedic._internal.units import checked_unit
 from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
-from fedic.campaign.camera_section import CameraSection
-from fedic.campaign.correlation_section import CorrelationSection
-from fedic.campaign.image_list import expand_names
-from fedic.campaign.measurement_sections import MEASUREMENT_SECTIONS
-from fedic.campaign.mesh_section import MeshSection
+from fedic.campaign.config.camera_section import CameraSection
+from fedic.campaign.config.correlation_section import CorrelationSection
+from fedic.campaign.config.measurement_sections import MEASUREMENT_SECTIONS
+from fedic.campaign.config.mesh_section import MeshSection
+from fedic.campaign.frames.image_list import expand_names
 from fedic.errors import ConfigError, ImageError, OptionError
 from fedic.io.images import split_page
 from fedic.io.toml import load_toml

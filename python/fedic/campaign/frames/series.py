@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from fedic.campaign.frames.entry import FrameEntry, checked_entry, entry_files, entry_name
+from fedic.campaign.frames.image_list import natural_order
 from fedic.campaign.frames.times import Times, checked_times, file_time
 from fedic.campaign.frames.videos import VideoFrames, is_video
-from fedic.campaign.image_list import natural_order
 from fedic.errors import OptionError
 
 __all__ = ["FrameSeries", "SeriesFrame"]

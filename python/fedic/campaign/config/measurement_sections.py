@@ -2,10 +2,10 @@
 
 from fedic._internal.sections import Section
 from fedic.cameras.schema import CAMERA_SCHEMA
-from fedic.campaign.camera_section import CameraFileSection
-from fedic.campaign.correlation_section import CorrelationSection
-from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
-from fedic.campaign.mesh_section import MeshSection, RectangleSection, UnstructuredSection
+from fedic.campaign.config.camera_section import CameraFileSection
+from fedic.campaign.config.correlation_section import CorrelationSection
+from fedic.campaign.config.equilibrium_gap_section import EquilibriumGapSection
+from fedic.campaign.config.mesh_section import MeshSection, RectangleSection, UnstructuredSection
 
 __all__ = ["MEASUREMENT_SECTIONS"]
 

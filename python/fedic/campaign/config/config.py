@@ -8,12 +8,12 @@ from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, Valid
 from fedic._internal.sections import InFolder, Schema, Section, config_error, in_folder
 from fedic._internal.units import checked_unit
 from fedic.cameras.schema import CAMERA_SCHEMA, ImageFrameSection
-from fedic.campaign.camera_section import CameraFileSection, CameraSection
 from fedic.campaign.campaign import Campaign
-from fedic.campaign.correlation_section import CorrelationSection
-from fedic.campaign.image_list import expand_names
-from fedic.campaign.measurement_sections import MEASUREMENT_SECTIONS
-from fedic.campaign.mesh_section import MeshSection
+from fedic.campaign.config.camera_section import CameraFileSection, CameraSection
+from fedic.campaign.config.correlation_section import CorrelationSection
+from fedic.campaign.config.measurement_sections import MEASUREMENT_SECTIONS
+from fedic.campaign.config.mesh_section import MeshSection
+from fedic.campaign.frames.image_list import expand_names
 from fedic.campaign.outputs import Outputs, result_names
 from fedic.campaign.tracking import ReferenceUpdate, Starts
 from fedic.errors import CameraError, ConfigError, FedicError, ImageError, MeshError, OptionError

@@ -6,7 +6,7 @@ from pydantic import Field, create_model, model_validator
 
 from fedic._core import CORRELATION_OPTIONS, OptionInfo
 from fedic._internal.sections import Section
-from fedic.campaign.equilibrium_gap_section import EquilibriumGapSection
+from fedic.campaign.config.equilibrium_gap_section import EquilibriumGapSection
 from fedic.quadrature import MeshQuadrature, PixelQuadrature
 from fedic.starts.initial import Start
 
