@@ -143,7 +143,7 @@ def test_a_density_without_a_mesh_quadrature_is_refused() -> None:
         (
             {"initial": "previous"},
             "initial",
-            "a correlator remembers no earlier frame: give its result as initial",
+            "a correlator remembers no earlier frame: give its result as initial, or measure with fedic.Campaign",
         ),
     ],
 )

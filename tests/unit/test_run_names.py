@@ -94,7 +94,7 @@ def test_names_tell_images_apart(images: list[str], names: list[str]) -> None:
     )
 )
 def test_no_two_files_of_a_run_are_alike(images: list[str]) -> None:
-    outputs = Outputs(Path("out"), result_names([Path(image) for image in images]), True, [])
+    outputs = Outputs(Path("out"), result_names([Path(image) for image in images]), (".vtu", ".npz"), True, [])
     files = ["summary.json", *(unicodedata.normalize("NFC", file.name.casefold()) for file in outputs.all())]
     assert len(set(files)) == len(files)
     assert all("/" not in name for name in outputs.names)
