@@ -197,7 +197,7 @@ class Run:
         if names:
             raise FedicError(
                 f"{file.name}: these results are of another campaign: {', '.join(_differing(names, expected, found))} "
-                "differ. Write to another file, or replace them (overwrite=True)."
+                "differ. Write to another file, or replace them (--overwrite, overwrite=True)."
             )
         writer = file.text("versions")["fedic"]
         done = file.num_frames()
@@ -205,7 +205,7 @@ class Run:
         if count is not None and done != count and writer != __version__:
             raise FedicError(
                 f"{file.name}: these results are of fedic {writer}, this is {__version__}, which may measure other "
-                "bits; end them with that version, or replace them (overwrite=True)."
+                "bits; end them with that version, or replace them (--overwrite, overwrite=True)."
             )
         if count is None:
             return done
@@ -217,7 +217,7 @@ class Run:
             other = given[where] if different else "missing"
             raise FedicError(
                 f"{file.name}: these results are of other frames: number {where} is {stored[where]} there, and {other} "
-                "among the frames given. Write to another file, or replace them (overwrite=True)."
+                "among the frames given. Write to another file, or replace them (--overwrite, overwrite=True)."
             )
         return done
 
