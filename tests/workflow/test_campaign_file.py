@@ -262,6 +262,16 @@ def test_a_second_run_on_one_file_is_refused(tmp_path: Path) -> None:
     other = f"import fedic; fedic.load({str(store)!r})"
     outcome = subprocess.run([sys.executable, "-c", other], capture_output=True, text=True, check=False)
     assert "the file is being written by another run; wait until it ends" in outcome.stderr
+    for overwrite in (False, True):
+        with pytest.raises(fedic.FedicError, match="the file is being written by another run"):
+            fedic.Campaign(frame(0), frames(3), MESH, store=store).run(overwrite=overwrite, progress=False)
+    code = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parents[1])!r})\n"
+        "import fedic\nfrom scenes.series import MESH, frame, frames\n"
+        f"fedic.Campaign(frame(0), frames(1), MESH, store={str(store)!r}).run(overwrite=True)"
+    )
+    outcome = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "the file is being written by another run" in outcome.stderr
     assert len(list(measuring)) == 2
     assert subprocess.run([sys.executable, "-c", other], check=False).returncode == 0
 

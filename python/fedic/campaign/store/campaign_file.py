@@ -35,6 +35,8 @@ _STREAM_CAPACITY = 16
 """Frames that a file for an unknown number of frames has room for at first."""
 _FREE_BYTES = 2**24
 """Room that is left on the disk."""
+_WRITTEN: set[Path] = set()
+"""Files that this process has open for writing."""
 
 
 class CampaignFile:
@@ -106,13 +108,18 @@ class CampaignFile:
         """
         if self._file is None:
             assert self.path is not None, "frames in memory are open from their first one on"
+            # HDF5 locks a file against other processes only.
+            if self.path.resolve() in _WRITTEN:
+                raise _is_being_written(self.path)
             self._file = _opened(self.path, "r+")
+            _WRITTEN.add(self.path.resolve())
 
     def close(self) -> None:
         """Close the file; frames in memory are kept."""
         with self._lock:
             if self._file is not None and self.path is not None:
                 file, self._file = self._file, None
+                _WRITTEN.discard(self.path.resolve())
                 # After a full disk closing fails too; the frames that were committed are on it.
                 with contextlib.suppress(OSError, RuntimeError):
                     file.close()
@@ -279,6 +286,8 @@ class CampaignFile:
             write(file)
             self._file = file
             return
+        if self._file is None:
+            _check_unlocked(self.path)
         _check_room(self.path, needed)
         with atomic_path(self.path) as temporary:
             try:
@@ -298,9 +307,7 @@ def _opened(path: Path, mode: str) -> Any:
     except FileNotFoundError:
         raise FedicError(f"{path}: there is no such file of results; check the path.") from None
     except BlockingIOError:
-        raise FedicError(
-            f"{path}: the file is being written by another run; wait until it ends, or write to another file."
-        ) from None
+        raise _is_being_written(path) from None
     except PermissionError as error:
         raise FedicError(f"{path}: the file cannot be opened ({_reason(error)}).") from error
     except OSError as error:
@@ -319,6 +326,25 @@ def _opened(path: Path, mode: str) -> Any:
             "another file."
         )
     return file
+
+
+def _check_unlocked(path: Path) -> None:
+    """Check that no run writes a file that is to be replaced."""
+    if path.resolve() in _WRITTEN:
+        raise _is_being_written(path)
+    try:
+        h5py.File(path, "r+", locking=True).close()
+    except BlockingIOError:
+        raise _is_being_written(path) from None
+    except OSError:
+        # There is none, or it is something else, which may be replaced.
+        return
+
+
+def _is_being_written(path: Path) -> FedicError:
+    return FedicError(
+        f"{path}: the file is being written by another run; wait until it ends, or write to another file."
+    )
 
 
 def _check_room(path: Path, needed: int) -> None:
