@@ -223,6 +223,8 @@ def test_the_mean_of_static_images_has_less_noise() -> None:
     assert estimated[0].quality.noise == pytest.approx(1.0, rel=0.15)
     with pytest.raises(fedic.OptionError, match="means of different numbers of images"):
         fedic.Campaign(frame(0), [static(1, 2), frame(2)], MESH, noise=4.0)
+    with pytest.raises(fedic.OptionError, match="a mean of another number of images than the frames"):
+        fedic.Campaign(static(0, 2), [frame(1)], MESH, noise=4.0, reference_update="auto")
 
 
 def test_progress_tells_frame_residual_and_doubtful_cells() -> None:

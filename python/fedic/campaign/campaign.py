@@ -153,7 +153,7 @@ class Campaign(CampaignReadings):
             None if mask is None else pixel_mask(mask, load_entry(entry, "reference").shape),
             regularization,
             checked_initial(initial, mesh),
-            _with_noise_of_means(options, entry, series),
+            _with_noise_of_means(options, entry, series, reference_update),
             starts,
             reference_update,
             strain_measure,
@@ -288,7 +288,9 @@ def load(path: StrPath) -> Campaign:
     return campaign
 
 
-def _with_noise_of_means(options: "CorrelationOptions", reference: FrameEntry, series: FrameSeries) -> dict[str, Any]:
+def _with_noise_of_means(
+    options: "CorrelationOptions", reference: FrameEntry, series: FrameSeries, update: ReferenceUpdate
+) -> dict[str, Any]:
     """Return the options, the noise being the one that both images of a pair have in the mean."""
     given = dict(options)
     noise = given.get("noise")
@@ -299,6 +301,13 @@ def _with_noise_of_means(options: "CorrelationOptions", reference: FrameEntry, s
         raise OptionError(
             "frames are means of different numbers of images, so that one noise does not hold for all; leave noise "
             "out, and it is estimated for each frame",
+            "noise",
+        )
+    if update != "first" and counts != {image_count(reference)}:
+        raise OptionError(
+            "the reference is a mean of another number of images than the frames, which become the reference too "
+            f"(reference_update={update!r}), so that one noise does not hold for all; leave noise out, and it is "
+            "estimated for each frame",
             "noise",
         )
     if isinstance(noise, float | int):
