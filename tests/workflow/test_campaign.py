@@ -1,6 +1,7 @@
 """Campaigns: starts from earlier frames, frames that fail, updates of the reference image, and what is read back."""
 
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 import fedic
+from fedic.campaign import load_config
 from fedic.campaign.tracking.prediction import KnownFrame, extrapolated, filled
 from fedic.starts.motion import moved
+from scenes.damaged_plate import damaged
 from scenes.moved_plate import motion, pair
 from scenes.series import MESH, STEP, frame, frames, write_frames
 
@@ -39,7 +42,7 @@ def test_each_frame_starts_from_the_extrapolated_displacement() -> None:
     for index, record in enumerate(campaign.frames):
         assert record.index == index
         assert record.good
-        assert error(campaign[index], index + 1) < 0.03
+        assert error(campaign[index], index + 1) < 0.016
     # Motion of the same size in each frame is foreseen.
     assert campaign.frames[4].iterations <= campaign.frames[1].iterations
 
@@ -50,7 +53,7 @@ def test_the_result_does_not_depend_on_the_start(mode: Any) -> None:
     single = fedic.Correlator(frame(0), MESH)
     for index in range(3):
         alone = single.correlate(frame(index + 1))
-        np.testing.assert_allclose(campaign[index].displacement, alone.displacement, atol=2e-3)
+        np.testing.assert_allclose(campaign[index].displacement, alone.displacement, atol=5e-5)
     if mode == "independent":
         assert "given" not in starts(campaign)
         np.testing.assert_array_equal(campaign[2].displacement, alone.displacement)
@@ -62,7 +65,7 @@ def test_a_jump_is_measured_from_another_start() -> None:
     campaign = run(frame(0), images, MESH)
     assert starts(campaign)[3] != "given"
     for index, number in enumerate((1, 2, 3, 18, 19)):
-        assert error(campaign[index], number) < 0.03, index
+        assert error(campaign[index], number) < 0.016, index
 
 
 def test_frames_that_fail_are_named_and_the_others_measured(tmp_path: Path) -> None:
@@ -92,7 +95,7 @@ def test_a_frame_that_does_not_converge_starts_no_other_one() -> None:
     campaign = run(frame(0), [frame(1), frame(2), frame(3, seed=7), frame(4)], MESH)
     assert not campaign.frames[2].good
     assert campaign.frames[3].start == "given"
-    assert error(campaign[3], 4) < 0.03
+    assert error(campaign[3], 4) < 0.016
 
 
 def test_the_extrapolation_counts_frames_and_is_limited() -> None:
@@ -122,18 +125,18 @@ def test_displacements_through_later_reference_images_are_counted_from_the_first
     chained = run(frame(0), frames(6), MESH, reference_update="previous")
     assert [record.reference for record in chained.frames] == [-1, 0, 1, 2, 3, 4]
     direct, last = error(first[5], 6), error(chained[5], 6)
-    assert last < 1.1 * direct + 2e-3
-    np.testing.assert_allclose(chained[5].pixel_displacement, chained[5].displacement, atol=1e-4)
+    assert last < 1.05 * direct
+    np.testing.assert_allclose(chained[5].pixel_displacement, chained[5].displacement, atol=1e-6)
     drift = chained.drift(5)
     assert drift is not None
-    np.testing.assert_allclose(drift, chained[5].displacement - first[5].displacement, atol=2e-3)
+    np.testing.assert_allclose(drift, chained[5].displacement - first[5].displacement, atol=5e-5)
     assert first.drift(5) is None
     first_drift = chained.drift(0)
     assert first_drift is not None
     assert np.isnan(first_drift).all()
     # The deviations are those of the noise of the first and the last image.
     deviations = [campaign[5].standard_deviations(1.0) for campaign in (first, chained)]
-    np.testing.assert_allclose(deviations[1], deviations[0], rtol=0.2)
+    np.testing.assert_allclose(deviations[1], deviations[0], rtol=0.03)
 
 
 def ageing(number: int, last: int) -> NDArray[np.uint8]:
@@ -184,7 +187,38 @@ def test_a_long_series_of_large_strain_converges(stretched: Any, mode: Any) -> N
         float(np.sqrt(((result.displacement - (moved(matrix, points) - points)) ** 2).sum(axis=1).mean()))
         for result, matrix in zip(campaign, matrices, strict=True)
     ]
-    assert max(errors) < 0.05, errors
+    assert max(errors) < (0.037 if mode == "previous" else 0.035), errors
+
+
+def test_updates_on_the_open_hole_agree_with_the_direct_measurement(
+    repository: Path, shared_data: Callable[[str], Path]
+) -> None:
+    """Five frames to a strain of 19 % beside the hole."""
+    shared_data("openhole")
+    config = load_config(repository / "examples" / "openhole.toml")
+    images = (config.images.reference, config.images.deformed)
+    mesh, camera = config.mesh.build(), config.camera.build()
+    direct, updated = (run(*images, mesh, camera, reference_update=mode) for mode in ("first", "previous"))
+    assert [record.reference for record in updated.frames] == [-1, 0, 1, 2, 3]
+    difference = np.linalg.norm(updated[4].pixel_displacement - direct[4].pixel_displacement, axis=1)
+    assert np.nanmedian(difference) < 0.0012
+    assert np.nanpercentile(difference, 95) < 0.007
+
+
+@pytest.mark.parametrize("kind", ["chips", "crack", "shadow"])
+def test_with_robust_weights_the_start_changes_little(kind: str) -> None:
+    scene = damaged(kind)
+    mesh = fedic.rectangle_mesh((48.0, 48.0, 272.0, 272.0), 16.0)
+    correlator = fedic.Correlator(scene.reference, mesh, robust="tukey")
+    points = mesh.points[:, :2]
+    truth = scene.displacement(points)
+    wobble = 0.3 * np.sin(0.05 * points)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fedic.QualityWarning)
+        near, far = (correlator.correlate(scene.deformed, start) for start in (truth, truth + wobble))
+    difference = np.linalg.norm(near.displacement - far.displacement, axis=1)
+    assert np.sqrt(np.nanmean(difference**2)) < 0.001
+    assert np.nanmax(difference) < 0.01
 
 
 def test_a_mask_moves_with_the_specimen() -> None:
@@ -291,5 +325,5 @@ def test_a_campaign_reads_tables_and_exports(tmp_path: Path) -> None:
 
 def test_several_campaigns_in_memory_exist_at_once() -> None:
     one, other = (run(frame(0), [frame(number)], MESH) for number in (1, 2))
-    assert error(one[0], 1) < 0.03
-    assert error(other[0], 2) < 0.03
+    assert error(one[0], 1) < 0.016
+    assert error(other[0], 2) < 0.016

@@ -145,7 +145,8 @@ def damaged(request: pytest.FixtureRequest, tmp_path: Path) -> Damaged:
 
 def steps(path: Path) -> Iterator[tuple[float, Any]]:
     """Yield time and grid of each step as VTK reads it."""
-    vtk = pytest.importorskip("vtk")
+    import vtk
+
     reader = vtk.vtkHDFReader()
     reader.SetFileName(str(path))
     reader.UpdateInformation()
@@ -177,8 +178,44 @@ def test_vtk_reads_every_step(damaged: Damaged) -> None:
         assert np.isnan(displacement).any() == (index == 1)
 
 
+def test_filters_do_with_nan_what_the_docs_say(damaged: Damaged) -> None:
+    import vtk
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    grid = list(steps(damaged.path))[1][1]
+    unknown = np.isnan(damaged.campaign[1].displacement).any(axis=1)
+    assert unknown.any()
+
+    def output(kind: Any, array: str, association: int = 0) -> Any:
+        tool = kind()
+        tool.SetInputData(grid)
+        tool.SetInputArrayToProcess(0, 0, 0, association, array)
+        if kind is vtk.vtkThreshold:
+            tool.SetLowerThreshold(-10.0)
+            tool.SetUpperThreshold(10.0 if array != "residual" else 1e9)
+        tool.Update()
+        return tool.GetOutput()
+
+    cells = vtk.vtkDataObject.FIELD_ASSOCIATION_CELLS
+    kept = output(vtk.vtkThreshold, "green_lagrange_strain_xx", cells)
+    assert kept.GetNumberOfCells() == np.isfinite(damaged.campaign[1].strains().exx).sum()
+    assert np.isfinite(vtk_to_numpy(kept.GetPointData().GetArray("displacement"))).all()
+    assert output(vtk.vtkThreshold, "residual", cells).GetNumberOfCells() == damaged.campaign.mesh.num_cells
+    warped = vtk_to_numpy(output(vtk.vtkWarpVector, "displacement").GetPoints().GetData())
+    np.testing.assert_array_equal(np.isnan(warped).any(axis=1), unknown)
+    integral = output(vtk.vtkIntegrateAttributes, "displacement")
+    assert np.isnan(integral.GetPointData().GetArray("displacement").GetTuple(0)[0])
+    assert integral.GetCellData().GetArray("Area").GetValue(0) == pytest.approx(96.0**2)
+    gradient = vtk_to_numpy(output(vtk.vtkGradientFilter, "displacement").GetPointData().GetArray("Gradients"))
+    beside = np.zeros(len(unknown), dtype=bool)
+    for nodes in damaged.campaign.mesh.cells.values():
+        beside[nodes[unknown[nodes].any(axis=1)]] = True
+    np.testing.assert_array_equal(np.isnan(gradient).any(axis=1), beside)
+
+
 def test_pyvista_reads_the_first_step(damaged: Damaged) -> None:
-    pyvista = pytest.importorskip("pyvista")
+    import pyvista
+
     grid = pyvista.get_reader(str(damaged.path)).read()
     np.testing.assert_array_equal(grid["displacement"][:, :2], damaged.campaign[0].displacement)
 

@@ -1,5 +1,6 @@
 """Results read from the file of a campaign."""
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,26 +21,14 @@ from fedic.campaign.store import CampaignFile, FrameData, to_result
 from fedic.campaign.tracking.prediction import filled
 from fedic.campaign.tracking.reference import moved_mask, moved_mesh
 from fedic.correlation import Correlator
-from fedic.errors import FedicError, ImageError, OptionError
+from fedic.errors import FedicError
 from fedic.io.kept import KeptImage
 from fedic.options import core_options
 from fedic.results import Covariance, Result
 
 __all__ = ["StoredResults", "records_of"]
 
-_RECORD_COLUMNS = (
-    "name",
-    "time",
-    "error",
-    "converged",
-    "good",
-    "residual_rms",
-    "noise",
-    "iterations",
-    "start",
-    "reference",
-    "seconds",
-)
+_RECORD_COLUMNS = tuple(each.name for each in dataclasses.fields(FrameRecord) if each.name != "index")
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +109,7 @@ class StoredResults:
 
     def covariance(self, index: int) -> Covariance | None:
         """Return the covariance of a frame; None if the noise is not known, or an image is not any more."""
-        try:
-            return self.result(index).covariance()
-        except (ImageError, OptionError):
-            return None
+        return self.result(index)._covariance
 
     def keep(self, correlator: Correlator) -> None:
         """Use the correlator of the first reference image that a run has prepared."""

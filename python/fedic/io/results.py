@@ -13,6 +13,7 @@ from fedic._core import Mesh, __version__
 from fedic._internal.types import Floats
 from fedic.errors import OptionError
 from fedic.io.atomic import atomic_path, write_json
+from fedic.results.strains import strain_fields
 
 __all__ = ["write_result"]
 
@@ -98,12 +99,10 @@ def _point_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 
 
 def _cell_data(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    measure = str(arrays["strain_measure"]).replace("-", "_")
-    strains = zip(("xx", "yy", "xy"), arrays["strains"].T, strict=True)
-    deviations = zip(("xx", "yy", "xy"), arrays["strain_standard_deviations"].T, strict=True)
+    measure: Any = str(arrays["strain_measure"])
     return {
-        **{f"{measure}_strain_{component}": values for component, values in strains},
-        **{f"{measure}_strain_std_{component}": values for component, values in deviations},
+        **dict(zip(strain_fields(measure), arrays["strains"].T, strict=True)),
+        **dict(zip(strain_fields(measure, deviation=True), arrays["strain_standard_deviations"].T, strict=True)),
         "residual": arrays["cell_residuals"],
         "correlation": arrays["cell_correlation"],
         "flags": arrays["cell_flags"],

@@ -7,11 +7,30 @@ import numpy as np
 
 from fedic._internal.types import Floats
 
-__all__ = ["StrainAxes", "StrainMeasure", "Strains"]
+__all__ = ["StrainAxes", "StrainMeasure", "Strains", "strain_fields"]
 
 StrainMeasure: TypeAlias = Literal["green-lagrange", "hencky", "small"]
 StrainAxes: TypeAlias = float | Literal["cylindrical"]
 """Angle in radians from the local axes, or ``"cylindrical"``."""
+
+
+def strain_fields(measure: StrainMeasure, *, deviation: bool = False) -> tuple[str, str, str]:
+    """Return the names of the components of the strain in files.
+
+    Parameters
+    ----------
+    measure : {"green-lagrange", "hencky", "small"}
+        Strain measure.
+    deviation : bool
+        Whether to name their standard deviations.
+
+    Returns
+    -------
+    tuple of str
+        ``green_lagrange_strain_xx``, ``..._yy``, ``..._xy``, or ``green_lagrange_strain_std_xx`` and so on.
+    """
+    name = f"{measure.replace('-', '_')}_strain_{'std_' if deviation else ''}"
+    return f"{name}xx", f"{name}yy", f"{name}xy"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

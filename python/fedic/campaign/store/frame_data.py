@@ -17,19 +17,16 @@ from fedic.campaign.store.layout import (
     COLUMNS,
     HISTORY_ROWS,
     REPEATS,
-    STRAIN_COMPONENTS,
     Field,
     fields,
-    strain_field,
 )
-from fedic.errors import ImageError, OptionError
-from fedic.results import Attempt, Covariance, Iteration, Quality, Result, StrainMeasure
+from fedic.results import Attempt, Iteration, Quality, Result, StrainMeasure
+from fedic.results.strains import strain_fields
 
 __all__ = ["FrameData", "of_failed_frame", "of_result", "to_result"]
 
 Arrays = Mapping[str, NDArray[Any]]
-_LONGEST_FILES = 2048
-"""Bytes of the names of the files of a frame; longer ones are not kept."""
+_BYTES = {column.name: np.dtype(column.dtype).itemsize for column in COLUMNS}
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,11 +80,7 @@ def of_result(
         The data.
     """
     mesh, quality = result.mesh, result.quality
-    covariance = _covariance(result)
-    nodal = np.full((mesh.num_nodes, 2), np.nan)
-    deviations, strain_deviations = nodal, np.full((mesh.num_cells, 3), np.nan)
-    if covariance is not None:
-        deviations, strain_deviations = covariance.standard_deviations, covariance.strain_deviations(measure)
+    deviations, strain_deviations = result._deviations(measure)
     strains = result.strains(measure).components
     outside = np.zeros(mesh.num_cells, dtype=np.uint8)
     outside[result.outside_cells] = 1
@@ -108,10 +101,10 @@ def of_result(
         "CellData/flags": quality.cell_flags,
     }
     for deviation, values in ((False, strains), (True, strain_deviations)):
-        for component, column in zip(STRAIN_COMPONENTS, values.T, strict=True):
-            arrays[f"CellData/{strain_field(measure, component, deviation=deviation)}"] = column
+        names = strain_fields(measure, deviation=deviation)
+        arrays.update((f"CellData/{name}", column) for name, column in zip(names, values.T, strict=True))
     if has_drift:
-        arrays["PointData/drift"] = _in_space(nodal if drift is None else drift)
+        arrays["PointData/drift"] = _in_space(np.full((mesh.num_nodes, 2), np.nan) if drift is None else drift)
     checksum = 0 if result._measurement is None else result._measurement.deformed.checksum
     columns = {
         **_empty_columns(frame),
@@ -146,7 +139,7 @@ def of_failed_frame(
         return np.full(shape, 0 if field.dtype == "u1" else np.nan)
 
     arrays = {f"{field.group}/{field.name}": nothing(field) for field in fields(measure, drift=has_drift)}
-    columns = {**_empty_columns(frame), "error": _shortened(error)}
+    columns = {**_empty_columns(frame), "error": _shortened("error", error)}
     unchecked, information = (np.full((count, 2), np.nan) for count in (mesh.num_nodes, mesh.num_cells))
     return FrameData(frame.index, arrays, unchecked, information, columns)
 
@@ -217,13 +210,6 @@ def to_result(mesh: Mesh, camera: Camera, unit: str, data: FrameData, measuremen
     )
 
 
-def _covariance(result: Result) -> Covariance | None:
-    try:
-        return result.covariance()
-    except (ImageError, OptionError):
-        return None
-
-
 def _empty_columns(frame: SeriesFrame) -> dict[str, Any]:
     """Return the columns of a frame without a result."""
     empty: dict[str, Any] = {
@@ -233,18 +219,19 @@ def _empty_columns(frame: SeriesFrame) -> dict[str, Any]:
         for column in COLUMNS
     }
     files = "\n".join(str(file.absolute()) for file in entry_files(frame.entry))
-    fits = len(files.encode("utf-8", "surrogateescape")) <= _LONGEST_FILES
+    names = files.encode("utf-8", "surrogateescape")
     return empty | {
-        "name": _shortened(frame.name, 256),
-        "image": files.encode("utf-8", "surrogateescape") if fits else b"",
+        "name": _shortened("name", frame.name),
+        # A part of a name would be that of another file.
+        "image": names if len(names) <= _BYTES["image"] else b"",
         "time": frame.time,
         "reference": -1,
     }
 
 
-def _shortened(text: str, most: int = 1024) -> bytes:
-    """Return a text in UTF-8 of at most some bytes."""
-    return text.encode("utf-8", "replace")[:most].decode("utf-8", "ignore").encode()
+def _shortened(column: str, text: str) -> bytes:
+    """Return a text in UTF-8 of at most the bytes of a column."""
+    return text.encode("utf-8", "replace")[: _BYTES[column]].decode("utf-8", "ignore").encode()
 
 
 def _rows(values: Floats, count: int) -> Floats:

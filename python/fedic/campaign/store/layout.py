@@ -9,22 +9,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fedic._core import Mesh
-from fedic.results import StrainMeasure
+from fedic.results.strains import StrainMeasure, strain_fields
 
 __all__ = [
     "COLUMNS",
     "FORMAT",
     "HISTORY_ROWS",
     "INFORMATION",
-    "LONGEST_TEXT",
     "REPEATS",
-    "STRAIN_COMPONENTS",
     "UNCHECKED",
     "VTK_VERSION",
     "Column",
     "Field",
     "fields",
-    "strain_field",
 ]
 
 FORMAT = 1
@@ -34,9 +31,6 @@ HISTORY_ROWS = 128
 """Iterations that are kept of a frame: the last ones."""
 REPEATS = 4
 """Translations of a periodic texture that are kept."""
-LONGEST_TEXT = 1024
-"""Bytes of an error message."""
-STRAIN_COMPONENTS = ("xx", "yy", "xy")
 UNCHECKED = "unchecked_displacement"
 """Dataset of the displacements as the iterations left them, (frames * n, 2)."""
 INFORMATION = "information"
@@ -78,11 +72,6 @@ class Column:
     shape: tuple[int, ...] = ()
 
 
-def strain_field(measure: StrainMeasure, component: str, *, deviation: bool = False) -> str:
-    """Return the name of the field of a component of the strain, or of its standard deviation."""
-    return f"{measure.replace('-', '_')}_strain_{'std_' if deviation else ''}{component}"
-
-
 def fields(measure: StrainMeasure, *, drift: bool) -> list[Field]:
     """Return the fields of a file.
 
@@ -109,9 +98,9 @@ def fields(measure: StrainMeasure, *, drift: bool) -> list[Field]:
     if drift:
         nodal.append(Field("PointData", "drift", 3, "f4"))
     cells = [
-        Field("CellData", strain_field(measure, component, deviation=deviation), 1, "f4")
+        Field("CellData", name, 1, "f4")
         for deviation in (False, True)
-        for component in STRAIN_COMPONENTS
+        for name in strain_fields(measure, deviation=deviation)
     ]
     evidence = ("residual", "correlation", "used_share", "kept_share", "normalized_residual", "misfit")
     cells += [Field("CellData", name, 1, "f4") for name in evidence]
@@ -123,7 +112,7 @@ COLUMNS = (
     Column("name", "S256"),
     Column("image", "S2048"),
     Column("time", "f8"),
-    Column("error", f"S{LONGEST_TEXT}"),
+    Column("error", "S1024"),
     Column("converged", "u1"),
     Column("good", "u1"),
     Column("residual_rms", "f8"),

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fedic._core import Mesh
-from fedic._internal.measurement import Measurement
 from fedic._internal.types import Camera, Floats, Image
 from fedic.campaign.tracking.prediction import filled
 from fedic.correlation import Correlator
 from fedic.results import Quality, Result
+from fedic.results.pixels import pixel_displacement
 
 __all__ = ["Reference", "moved_mask", "moved_mesh"]
 
@@ -121,10 +121,10 @@ class Reference:
             step,
             mesh=self.mesh,
             displacement=displacement,
-            pixel_displacement=_in_pixels(self.mesh, camera, displacement),
+            pixel_displacement=pixel_displacement(camera, self.mesh.points, displacement),
             unchecked_displacement=unchecked,
             quality=quality,
-            _measurement=_counted_from(measurement, self.mesh, self.displacement),
+            _measurement=replace(measurement, first=(self.mesh, self.displacement)),
         )
 
 
@@ -135,22 +135,9 @@ def moved_mesh(mesh: Mesh, displacement: Floats) -> Mesh:
     return Mesh(points, mesh.cells, mesh.sets)
 
 
-def _counted_from(measurement: Measurement, mesh: Mesh, displacement: Floats) -> Measurement:
-    return replace(measurement, first=(mesh, displacement))
-
-
 def _with_flags(quality: Quality, cell_flags: NDArray[np.uint8], node_flags: NDArray[np.uint8]) -> Quality:
     """Add the flags of the reference frame: what was not measured there is not known later."""
     return replace(quality, cell_flags=quality.cell_flags | cell_flags, node_flags=quality.node_flags | node_flags)
-
-
-def _in_pixels(mesh: Mesh, camera: Camera, displacement: Floats) -> Floats:
-    """Return displacements in the image, NaN where they are not known."""
-    moved = mesh.points.copy()
-    moved[:, :2] += np.nan_to_num(displacement)
-    pixels = camera.project(moved) - camera.project(mesh.points)
-    pixels[~np.isfinite(displacement).all(axis=1)] = np.nan
-    return pixels
 
 
 def moved_mask(

@@ -197,10 +197,10 @@ class Tracker:
         """Measure a frame from the first reference image, starting from what was found; None if that fails."""
         start = filled(self._mesh, chained.result.displacement)
         try:
-            direct = replace(chained, result=self._first.measure(chained.image, start), reference=-1)
+            direct = self._first.measure(chained.image, start)
         except FedicError:
             return None
-        return direct.result if self._is_measured(direct) else None
+        return direct if self._has_converged(direct) else None
 
     def _attempt(self, reference: Reference, index: int, image: Image) -> Tracked:
         """Measure a frame from one start after the other until the result is as expected; else return the best."""
@@ -213,7 +213,7 @@ class Tracker:
                 fault = error
                 continue
             found.append(Tracked(index, image, result, reference.index))
-            if self._is_expected(found[-1]):
+            if self._is_expected(result):
                 return found[-1]
         if not found:
             assert fault is not None, "there is at least one start"
@@ -232,16 +232,17 @@ class Tracker:
         yield None, False
 
     def _is_measured(self, found: Tracked | FedicError) -> bool:
-        """Tell whether a frame has converged with about as few flagged cells as the last two known frames."""
-        if isinstance(found, FedicError):
-            return False
-        flagged = _FLAGGED_RISE + max((frame.flagged_share for frame in self._known), default=0.0)
-        return found.result.converged and found.result.quality.flagged_share <= flagged
+        return isinstance(found, Tracked) and self._has_converged(found.result)
 
-    def _is_expected(self, found: Tracked) -> bool:
-        """Tell whether a frame was measured with about the residual of the last two known frames."""
+    def _has_converged(self, result: Result) -> bool:
+        """Tell whether a result has converged with about as few flagged cells as the last two known frames."""
+        flagged = _FLAGGED_RISE + max((frame.flagged_share for frame in self._known), default=0.0)
+        return result.converged and result.quality.flagged_share <= flagged
+
+    def _is_expected(self, result: Result) -> bool:
+        """Tell whether a result has converged with about the residual of the last two known frames."""
         residual = _RESIDUAL_RISE * max((frame.residual_rms for frame in self._known), default=math.inf)
-        return self._is_measured(found) and found.result.residual_rms <= residual
+        return self._has_converged(result) and result.residual_rms <= residual
 
     def _as_reference(self, frame: Tracked) -> Reference:
         if frame.index == self._current.index:

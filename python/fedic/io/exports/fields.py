@@ -12,7 +12,7 @@ from fedic._internal.types import Floats
 from fedic.probes.series import FrameInfo, Series
 from fedic.results.covariance import Covariance
 from fedic.results.result import Result
-from fedic.results.strains import StrainMeasure
+from fedic.results.strains import StrainMeasure, strain_fields
 
 __all__ = ["What", "cell_arrays", "columns_of_frames", "measured_frames", "node_arrays"]
 
@@ -141,7 +141,7 @@ def columns_of_frames(series: Series, what: What, measure: StrainMeasure) -> Ite
         }
 
 
-def _node_layout(measure: str) -> _Layout:
+def _node_layout(measure: StrainMeasure) -> _Layout:
     return _Layout(
         "node",
         NODE_FLAGS,
@@ -149,30 +149,26 @@ def _node_layout(measure: str) -> _Layout:
             "displacement": ("displacement_x", "displacement_y"),
             "standard_deviations": ("displacement_std_x", "displacement_std_y"),
             "pixel_displacement": ("displacement_u", "displacement_v"),
-            "node_strains": _strain_names(measure, "strain"),
+            "node_strains": strain_fields(measure),
             "valid_nodes": ("valid",),
             "node_flags": ("flags",),
         },
     )
 
 
-def _cell_layout(measure: str) -> _Layout:
+def _cell_layout(measure: StrainMeasure) -> _Layout:
     return _Layout(
         "cell",
         CELL_FLAGS,
         {
-            "strains": _strain_names(measure, "strain"),
-            "strain_standard_deviations": _strain_names(measure, "strain_std"),
+            "strains": strain_fields(measure),
+            "strain_standard_deviations": strain_fields(measure, deviation=True),
             "cell_residuals": ("residual",),
             "cell_correlation": ("correlation",),
             "valid_cells": ("valid",),
             "cell_flags": ("flags",),
         },
     )
-
-
-def _strain_names(measure: str, kind: str) -> tuple[str, ...]:
-    return tuple(f"{measure.replace('-', '_')}_{kind}_{component}" for component in ("xx", "yy", "xy"))
 
 
 def _centres(mesh: Mesh) -> Floats:
