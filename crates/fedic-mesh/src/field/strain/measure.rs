@@ -60,9 +60,7 @@ impl StrainMeasure {
             Self::Hencky => hencky(green_lagrange(gradient)),
         }
     }
-}
 
-impl StrainMeasure {
     /// Derivative of the strain: entry `[s][a][b]` is that of component `s` with respect to `gradient[a][b]`. That of the Hencky strain is
     /// found by central differences, to about 1e-9.
     #[must_use]

@@ -21,9 +21,8 @@ impl Mesh {
     ///
     /// Where the line separates the cells around a node, those to the left of it, seen from the side from which cells are
     /// counter-clockwise, keep the node and the others get a new one at its place. An end of the line inside the mesh stays single. Cells
-    /// keep their order and all nodes their indices; new nodes come last, in the order of the line, and
-    /// their labels follow the largest one. Sets get the new nodes of their nodes;
-    /// those that hold the nodes of their cells and no others still do.
+    /// keep their order and all nodes their indices; new nodes come last, in the order of the line, and their labels follow the largest
+    /// one. Sets get the new nodes of their nodes; those that hold the nodes of their cells and no others still do.
     ///
     /// [`coincident_nodes`](Self::coincident_nodes) gives the pairs of nodes, [`slits`](Self::slits) the pairs of edges, and
     /// [`merge_nodes`](Self::merge_nodes) joins them again.
